@@ -1,0 +1,1 @@
+//! Formats: PNG, JPEG, EXR.

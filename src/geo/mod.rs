@@ -1,0 +1,23 @@
+//! The globe in f64: WGS84, local frames, charts for cloud textures, sun and moon, land and sea.
+
+/// A point on or above the WGS84 ellipsoid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Geodetic {
+    /// Geodetic latitude, -pi/2 to pi/2.
+    pub latitude_rad: f64,
+    /// Longitude, -pi to pi.
+    pub longitude_rad: f64,
+    /// Height above the ellipsoid.
+    pub altitude_m: f64,
+}
+
+/// Attitude as the aerospace sequence yaw, pitch, roll (about down, right, forward) against north-east-down axes or a body.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Attitude {
+    /// Clockwise seen from above, 0 is north (or the body's nose).
+    pub yaw_rad: f64,
+    /// Nose up.
+    pub pitch_rad: f64,
+    /// Right wing down.
+    pub roll_rad: f64,
+}

@@ -1,0 +1,1 @@
+//! A flash as geometry and time: strokes, photometry.

@@ -1,0 +1,1 @@
+//! Mathematics that knows no weather: noise, grids, error metrics, seeded random numbers.

@@ -1,0 +1,51 @@
+//! What plays a plan: the contract of the GPU executor and the reference executor.
+
+use crate::frame::Pixels;
+use crate::plan::FramePlan;
+
+/// Our own failure (not a client's): said once in the log, counted, never silent.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Fault {
+    /// No adapter: install a driver (`deploy/install-vulkan` installs Mesa's software Vulkan) or use the reference executor.
+    #[error(
+        "no graphics adapter found; run deploy/install-vulkan for Mesa's software Vulkan, or use --executor reference"
+    )]
+    NoAdapter,
+    /// The device was lost: the render thread makes a new executor and goes on.
+    #[error("the graphics device was lost: {0}")]
+    DeviceLost(String),
+    /// The adapter cannot do what the plan needs.
+    #[error("the graphics adapter cannot do this: {0}")]
+    Unsupported(String),
+}
+
+/// A picture that is ready.
+#[derive(Clone, Debug)]
+pub struct Finished {
+    /// The number given to [`Executor::submit`].
+    pub ticket: u64,
+    /// The picture.
+    pub pixels: Pixels,
+}
+
+/// Plays plans. Owned by the render thread alone.
+pub trait Executor {
+    /// One line for the log and the metrics: which executor on which adapter.
+    fn describe(&self) -> String;
+
+    /// Begins to draw; at most [`Executor::depth`] tickets may be under way.
+    ///
+    /// # Errors
+    /// A [`Fault`]: the ticket then gives no picture.
+    fn submit(&mut self, ticket: u64, plan: &FramePlan) -> Result<(), Fault>;
+
+    /// Pictures that are ready, in the order of their submission. `wait`: blocks until the oldest one under way is ready.
+    ///
+    /// # Errors
+    /// A [`Fault`]: the pictures under way are lost.
+    fn collect(&mut self, wait: bool) -> Result<Vec<Finished>, Fault>;
+
+    /// How many tickets may be under way at once (the read-back ring).
+    fn depth(&self) -> usize;
+}

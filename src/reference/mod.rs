@@ -1,0 +1,1 @@
+//! The reference executor: plays the same plan with the twins, on the CPU.

@@ -1,0 +1,1 @@
+//! Settings: the configuration file checked as a whole, all complaints at once.

@@ -1,0 +1,36 @@
+//! Units: conversions between what people say and what the house computes in (SI, radians).
+
+/// Metres in one foot (exact, international foot).
+pub const METRES_PER_FOOT: f64 = 0.3048;
+/// Metres per second in one knot (exact).
+pub const MPS_PER_KNOT: f64 = 1852.0 / 3600.0;
+
+/// Degrees to radians.
+pub fn rad(deg: f64) -> f64 {
+    deg.to_radians()
+}
+
+/// Radians to degrees.
+pub fn deg(rad: f64) -> f64 {
+    rad.to_degrees()
+}
+
+/// An angle in radians brought into [-pi, pi).
+pub fn wrap_pi(angle_rad: f64) -> f64 {
+    let two_pi = std::f64::consts::TAU;
+    (angle_rad + std::f64::consts::PI).rem_euclid(two_pi) - std::f64::consts::PI
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrap_pi_keeps_the_direction() {
+        for k in -5..=5 {
+            let wrapped = wrap_pi(1.0 + std::f64::consts::TAU * f64::from(k));
+            assert!((wrapped - 1.0).abs() < 1e-12, "turn {k}: {wrapped}");
+        }
+        assert_eq!(wrap_pi(std::f64::consts::PI), -std::f64::consts::PI);
+    }
+}

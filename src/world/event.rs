@@ -1,0 +1,69 @@
+//! Events and queries: what the world says back. The wire turns them into messages.
+
+use super::snapshot::Snapshot;
+use std::sync::Arc;
+
+/// A client's mistake: what was wrong, and what would be right. Nothing has changed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{field} = {value}: {why} (limit: {limit})")]
+pub struct Refused {
+    /// Path of the field, as in `layers[2].base_m`.
+    pub field: String,
+    /// The value given, shortened if long.
+    pub value: String,
+    /// What is allowed.
+    pub limit: String,
+    /// The reason in words.
+    pub why: String,
+}
+
+impl Refused {
+    /// A refusal from its four parts.
+    pub fn new(
+        field: impl Into<String>,
+        value: impl ToString,
+        limit: impl Into<String>,
+        why: impl Into<String>,
+    ) -> Self {
+        let mut value = value.to_string();
+        if value.chars().count() > 80 {
+            value = value.chars().take(77).collect::<String>() + "...";
+        }
+        Self { field: field.into(), value, limit: limit.into(), why: why.into() }
+    }
+}
+
+/// What the world did with a command.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Applied {
+    /// Done; nothing more to say.
+    Done,
+    /// A flash was accepted and has this number; the event that names its first frame follows.
+    Flash {
+        /// The flash's number.
+        id: u64,
+    },
+}
+
+/// Something that happened, told to whom it concerns.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Event {
+    /// A flash is seen for the first time in this frame of this view.
+    StrikeShown {
+        /// The flash's number.
+        id: u64,
+        /// The view's name.
+        view: String,
+        /// Number of the first frame of that view that shows it.
+        frame: u64,
+        /// Simulation time of that frame.
+        simulation_time_s: f64,
+    },
+    /// A flash was over before any view had a frame to show it.
+    StrikeMissed {
+        /// The flash's number.
+        id: u64,
+    },
+    /// The state asked for.
+    State(Arc<Snapshot>),
+}

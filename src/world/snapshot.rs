@@ -1,0 +1,143 @@
+//! A snapshot: everything that a picture or an answer depends on, at one moment, never changed after it was taken.
+
+use crate::clouds::CloudKind;
+use crate::geo::{Attitude, Geodetic};
+use glam::{DQuat, DVec3};
+
+use super::command::{Exposure, FlashKind, Polarity, RegionShape};
+
+/// The world at one moment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Snapshot {
+    /// Rises by one for each snapshot taken.
+    pub number: u64,
+    /// Frame number of the newest ownship message; 0 before the first.
+    pub host_frame: u32,
+    /// Simulation time in seconds since the session or scenario began.
+    pub simulation_time_s: f64,
+    /// The interval of simulation time whose light a frame of this snapshot gathers, `[begin, end)`.
+    pub shutter_s: [f64; 2],
+    /// Seconds since 1970-01-01T00:00:00 UTC.
+    pub utc_s: f64,
+    /// The ownship, extrapolated to this moment.
+    pub ownship: OwnshipState,
+    /// Global weather.
+    pub weather: WeatherState,
+    /// Regions with their own weather, in the order in which they were made.
+    pub regions: Vec<RegionState>,
+    /// The views, by name.
+    pub views: Vec<ViewState>,
+    /// Flashes that have light in the shutter interval or will have it soon.
+    pub flashes: Vec<FlashState>,
+    /// Sun and moon.
+    pub sky: SkyState,
+    /// What may be spent.
+    pub quality: Quality,
+}
+
+/// Where the ownship is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OwnshipState {
+    /// Position.
+    pub position: Geodetic,
+    /// Attitude against the local north-east-down axes.
+    pub attitude: Attitude,
+}
+
+/// Weather, global or of one region.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WeatherState {
+    /// Layers, lowest base first.
+    pub layers: Vec<LayerState>,
+    /// Meteorological visibility at the ground (5 % contrast).
+    pub visibility_m: f64,
+}
+
+/// One cloud layer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LayerState {
+    /// Cloud type.
+    pub kind: CloudKind,
+    /// Height of the base above the ellipsoid.
+    pub base_m: f64,
+    /// Top minus base.
+    pub thickness_m: f64,
+    /// Share of the sky hidden, 0 to 1.
+    pub coverage: f64,
+    /// Factor on the type's usual extinction.
+    pub density: f64,
+    /// Wind speed.
+    pub wind_speed_mps: f64,
+    /// Direction that the wind comes from, from true north, clockwise.
+    pub wind_from_deg: f64,
+    /// Where the wind has carried the pattern: the rotation about the Earth's centre (ECEF axes) that brings the
+    /// pattern of simulation time 0 to where it is now. A wind is a rigid rotation, so it has no seam anywhere.
+    pub drift: DQuat,
+}
+
+/// A region and its weather.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RegionState {
+    /// Outline.
+    pub shape: RegionShape,
+    /// Its own weather.
+    pub weather: WeatherState,
+    /// 0 (not there) to 1 (fully there): eases when a region is made or removed.
+    pub presence: f64,
+}
+
+/// One view.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ViewState {
+    /// Name.
+    pub name: String,
+    /// Width and height in pixels.
+    pub size_px: [u32; 2],
+    /// Horizontal field of view.
+    pub field_of_view_deg: f64,
+    /// Eye point in body axes `[forward, right, down]`.
+    pub offset_m: [f64; 3],
+    /// Attitude against the body.
+    pub attitude: Attitude,
+    /// Exposure.
+    pub exposure: Exposure,
+}
+
+/// A flash, with the light that it gives in the shutter interval.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FlashState {
+    /// Number given by the world, rising.
+    pub id: u64,
+    /// Centre of the light.
+    pub position: Geodetic,
+    /// Type.
+    pub kind: FlashKind,
+    /// Polarity.
+    pub polarity: Polarity,
+    /// Simulation time at which it begins.
+    pub begin_s: f64,
+    /// Simulation time at which its last light ends.
+    pub end_s: f64,
+    /// Mean luminous intensity over the shutter interval in candela (luminous energy in it / its length / 4 pi).
+    pub intensity_cd: f64,
+}
+
+/// Sun and moon as directions from the Earth's centre, ECEF axes, unit length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SkyState {
+    /// Towards the sun.
+    pub sun_direction_ecef: DVec3,
+    /// Towards the moon.
+    pub moon_direction_ecef: DVec3,
+    /// Lit share of the moon's disc, 0 to 1.
+    pub moon_lit_fraction: f64,
+}
+
+/// What may be spent on a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quality {
+    /// Slices per cloud layer, 1 to 128 (deck paper eq. 12, N).
+    pub slices: u32,
+    /// Ratio between the radii of neighbouring billboard rings (LOD0), above 1; nearer 1 is finer.
+    pub ring_ratio: f64,
+}
