@@ -1,5 +1,7 @@
 //! A frame: the finished picture of one view at one moment, with what a client needs to trust it.
 
+use std::sync::Arc;
+
 /// What a picture is made of. Rows run from the top, pixels from the left, both without padding.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Pixels {
@@ -39,8 +41,8 @@ pub struct Frame {
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// The pixels.
-    pub pixels: Pixels,
+    /// The pixels; shared, because a repeated frame is its predecessor's picture under a new number.
+    pub pixels: Arc<Pixels>,
     /// True when something was still being prepared and a stand-in was drawn.
     pub provisional: bool,
     /// True when nothing had changed since the view's previous frame, whose pixels these are.
