@@ -1,1 +1,4 @@
-//! Bytes and nothing but bytes: limits, JSON control messages, scenario files, the binary frame header.
+//! The wire: bytes to commands and events to bytes, and nothing but bytes. Pure: no socket, no clock.
+
+pub mod control;
+pub mod limits;

@@ -24,7 +24,7 @@ pub enum Command {
     },
     /// Date, time of day and the rate at which it runs.
     Time(TimeEdit),
-    /// Creates a view or changes what is given of an existing one.
+    /// Makes a view or changes what is given of an existing one.
     View(ViewEdit),
     /// Removes a view.
     RemoveView {
@@ -152,9 +152,21 @@ pub enum Exposure {
     Ev100(f64),
 }
 
-/// A new view (everything but the name has a default) or a change of one.
+/// Whether a view is made or changed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ViewAction {
+    /// Makes a view: refused when the name is taken.
+    #[default]
+    Create,
+    /// Changes a view: refused when there is none of that name.
+    Change,
+}
+
+/// A new view (everything but the name has a default) or a change of one (what is `None` stays).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ViewEdit {
+    /// Make or change.
+    pub action: ViewAction,
     /// Name: letters, digits, `-` and `_`.
     pub name: String,
     /// Width and height in pixels.

@@ -1,0 +1,76 @@
+//! Words of the protocol for the kinds that the world knows.
+
+use crate::clouds::CloudKind;
+use crate::world::command::{FlashKind, Polarity};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Two enums of the same variants, one with names for the wire, and the way between them.
+macro_rules! mirrored {
+    ($(#[$meta:meta])* $name:ident = $kind:ty { $($(#[$doc:meta])* $variant:ident),+ $(,)? }) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+        #[serde(rename_all = "snake_case")]
+        pub enum $name { $($(#[$doc])* $variant),+ }
+
+        impl From<$name> for $kind {
+            fn from(name: $name) -> Self {
+                match name { $($name::$variant => Self::$variant),+ }
+            }
+        }
+
+        impl From<$kind> for $name {
+            fn from(kind: $kind) -> Self {
+                match kind { $(<$kind>::$variant => Self::$variant),+ }
+            }
+        }
+    };
+}
+
+mirrored! {
+    /// Cloud genus.
+    CloudType = CloudKind {
+        /// Featureless grey sheet.
+        Stratus,
+        /// Rolls and patches with thin gaps.
+        Stratocumulus,
+        /// Flat base, heaped tops.
+        Cumulus,
+        /// Tower and anvil.
+        Cumulonimbus,
+        /// Thick dark sheet.
+        Nimbostratus,
+        /// Grey veil.
+        Altostratus,
+        /// Small regular elements.
+        Altocumulus,
+        /// Fibres.
+        Cirrus,
+        /// Ripples.
+        Cirrocumulus,
+        /// Halo veil.
+        Cirrostratus,
+    }
+}
+
+mirrored! {
+    /// Where a flash goes.
+    FlashType = FlashKind {
+        /// Cloud to ground.
+        CloudToGround,
+        /// Inside one cloud.
+        IntraCloud,
+        /// From cloud to cloud.
+        CloudToCloud,
+    }
+}
+
+mirrored! {
+    /// Sign of the charge brought down.
+    PolarityName = Polarity {
+        /// The usual case.
+        Negative,
+        /// Rarer, stronger, mostly of one stroke.
+        Positive,
+    }
+}

@@ -1,0 +1,198 @@
+//! Limits: every length, count, rate and range that comes from outside, in one file.
+//!
+//! The published schemas take their bounds from here, and the check of a message is made from the schema, so a limit is
+//! written once. A value outside is refused with the field, the value and the limit; nothing is clamped in silence.
+
+/// A closed range of a real number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// Smallest value allowed.
+    pub min: f64,
+    /// Largest value allowed.
+    pub max: f64,
+}
+
+impl Range {
+    const fn new(min: f64, max: f64) -> Self {
+        Self { min, max }
+    }
+}
+
+/// A closed range of a whole number: a count, a size, a number of pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Whole {
+    /// Smallest value allowed.
+    pub min: u64,
+    /// Largest value allowed.
+    pub max: u64,
+}
+
+impl Whole {
+    const fn new(min: u64, max: u64) -> Self {
+        Self { min, max }
+    }
+}
+
+// --- Bytes and shapes of messages, checked before anything is built from them ---
+
+/// Longest control message in bytes (an inline scenario is the longest).
+pub const MESSAGE_BYTES: usize = 256 * 1024;
+/// Longest scenario file in bytes.
+pub const SCENARIO_BYTES: usize = 4 * 1024 * 1024;
+/// Longest settings file in bytes.
+pub const SETTINGS_BYTES: usize = 64 * 1024;
+/// Deepest nesting of lists and objects in any JSON text (an inline scenario's layers stand at depth 6).
+pub const JSON_DEPTH: usize = 12;
+/// Most values (numbers, texts, lists, objects, ...) in one control message.
+pub const MESSAGE_VALUES: usize = 20_000;
+/// Most values in a scenario file.
+pub const SCENARIO_VALUES: usize = 400_000;
+/// Most complaints that one file or message is answered with; the rest are counted.
+pub const COMPLAINTS: usize = 100;
+
+// --- Names and texts ---
+
+/// Length in characters of the name of a view, a region or a client. A view's name fills at most 32 bytes of a frame header.
+pub const NAME_LENGTH: Whole = Whole::new(1, 32);
+/// Characters of the name of a view or a region.
+pub const NAME_PATTERN: &str = "^[A-Za-z0-9_-]+$";
+/// Characters of the name of a scenario file without `.json`: no dot and no slash, so no way out of the folder.
+pub const SCENARIO_NAME_PATTERN: &str = "^[a-z0-9-]+$";
+/// Length of a scenario's name.
+pub const SCENARIO_NAME_LENGTH: Whole = Whole::new(1, 64);
+/// Length of a description in characters.
+pub const DESCRIPTION_LENGTH: Whole = Whole::new(0, 1000);
+/// Length of an access token in characters.
+pub const TOKEN_LENGTH: Whole = Whole::new(8, 256);
+/// Length of the text of an instant.
+pub const INSTANT_LENGTH: Whole = Whole::new(1, 64);
+
+// --- Ownship and places ---
+
+/// WGS84 geodetic latitude.
+pub const LATITUDE_DEG: Range = Range::new(-90.0, 90.0);
+/// WGS84 longitude.
+pub const LONGITUDE_DEG: Range = Range::new(-180.0, 180.0);
+/// Height of the ownship above the ellipsoid: from below the Dead Sea's shore to the edge of the drawn atmosphere.
+pub const ALTITUDE_M: Range = Range::new(-500.0, 100_000.0);
+/// Heading, and the yaw of a view against the body.
+pub const YAW_DEG: Range = Range::new(-360.0, 360.0);
+/// Nose up.
+pub const PITCH_DEG: Range = Range::new(-90.0, 90.0);
+/// Right wing down.
+pub const ROLL_DEG: Range = Range::new(-180.0, 180.0);
+/// One component of the velocity over ground; the fastest aircraft reaches 980 m/s, a capsule on its way up some thousands.
+pub const VELOCITY_MPS: Range = Range::new(-5_000.0, 5_000.0);
+
+// --- Weather ---
+
+/// Most cloud layers in one weather.
+pub const LAYERS: usize = 8;
+/// Most edits of single layers in one message.
+pub const LAYER_CHANGES: usize = 32;
+/// Height of a layer's base above the ellipsoid.
+pub const BASE_M: Range = Range::new(-500.0, 20_000.0);
+/// Thickness of a layer: a cumulonimbus of the tropics reaches 18 km.
+pub const THICKNESS_M: Range = Range::new(10.0, 20_000.0);
+/// Share of the sky hidden.
+pub const COVERAGE: Range = Range::new(0.0, 1.0);
+/// The same in eighths (FEW 1-2, SCT 3-4, BKN 5-7, OVC 8).
+pub const COVERAGE_EIGHTHS: Range = Range::new(0.0, 8.0);
+/// Factor on the usual extinction of a cloud type (deck paper eq. 16, D).
+pub const DENSITY: Range = Range::new(0.01, 100.0);
+/// Wind speed: the strongest jet stream measured is about 115 m/s.
+pub const WIND_SPEED_MPS: Range = Range::new(0.0, 150.0);
+/// Direction of a wind or an outline.
+pub const DIRECTION_DEG: Range = Range::new(-360.0, 360.0);
+/// Meteorological visibility: from dense fog to pure air.
+pub const VISIBILITY_M: Range = Range::new(10.0, 300_000.0);
+/// Seconds over which weather eases.
+pub const TRANSITION_S: Range = Range::new(0.0, 86_400.0);
+/// Most regions with their own weather.
+pub const REGIONS: usize = 16;
+/// Width or length of a region.
+pub const REGION_SIZE_M: Range = Range::new(100.0, 2_000_000.0);
+/// Corner radius of a region; besides at most half of its smaller size.
+pub const CORNER_RADIUS_M: Range = Range::new(0.0, 1_000_000.0);
+/// Width of the transition around a region.
+pub const REGION_TRANSITION_M: Range = Range::new(0.0, 200_000.0);
+
+// --- Time ---
+
+/// Instants as seconds since 1970 (UTC): the years 1900 to 2099, for which the sun's and moon's positions hold.
+pub const UTC_S: Range = Range::new(-2_208_988_800.0, 4_102_444_799.0);
+/// Seconds of UTC per second of simulation.
+pub const TIME_RATE: Range = Range::new(-86_400.0, 86_400.0);
+/// Simulation time: up to ten years and some days.
+pub const SIMULATION_TIME_S: Range = Range::new(0.0, 400_000_000.0);
+/// Seconds of simulation per second of wall clock while a scenario plays.
+pub const SPEED: Range = Range::new(0.0, 100.0);
+
+// --- Views ---
+
+/// Most views.
+pub const VIEWS: usize = 16;
+/// Width or height of a picture.
+pub const SIZE_PX: Whole = Whole::new(16, 4096);
+/// Horizontal field of view of a flat picture.
+pub const FIELD_OF_VIEW_DEG: Range = Range::new(1.0, 150.0);
+/// Eye point against the ownship's reference point, one component.
+pub const OFFSET_M: Range = Range::new(-100.0, 100.0);
+/// Exposure value at ISO 100: starlight is about -6, sunlit snow 16.
+pub const EV100: Range = Range::new(-12.0, 24.0);
+
+// --- Strikes ---
+
+/// Most flashes that wait or shine at once.
+pub const FLASHES: usize = 64;
+/// Peak current of a stroke; bounds of measurements are about 2 and 300 kA, 500 kA in the tropics (CIGRE TB 549).
+pub const PEAK_CURRENT_KA: Range = Range::new(1.0, 500.0);
+/// Strokes of one flash; the most seen in one flash are about 26.
+pub const STROKES: Whole = Whole::new(1, 32);
+/// Delay of a stroke after its flash began; flashes last up to about 2 s.
+pub const STROKE_DELAY_S: Range = Range::new(0.0, 5.0);
+
+// --- Subscriptions, steps and the sockets ---
+
+/// Most frames a second of one view; the server's own rate has the same limit.
+pub const FRAME_RATE_HZ: Range = Range::new(0.01, 60.0);
+/// Quality of a JPEG.
+pub const JPEG_QUALITY: Whole = Whole::new(1, 100);
+/// Most subscriptions of one client.
+pub const SUBSCRIPTIONS: usize = 16;
+/// Lockstep steps of all clients that wait.
+pub const STEPS_WAITING: usize = 64;
+/// Most messages a second that one client may send on average; more are refused unread.
+pub const MESSAGES_PER_SECOND: u32 = 500;
+/// Most messages that one client may send at once before the rate holds.
+pub const MESSAGE_BURST: u32 = 1_000;
+/// Most refusals a second that one client is sent; the others are counted in the next one.
+pub const REFUSALS_PER_SECOND: u32 = 1;
+/// Clients at once that settings may ask for.
+pub const CLIENTS: Whole = Whole::new(1, 1_000);
+
+// --- Scenarios ---
+
+/// Most entries of a scenario.
+pub const SCENARIO_ENTRIES: usize = 20_000;
+/// Duration of a scenario.
+pub const SCENARIO_DURATION_S: Range = Range::new(0.1, 604_800.0);
+
+// --- Pictures and frames on the wire ---
+
+/// Slices per cloud layer (deck paper eq. 12, N).
+pub const SLICES: Whole = Whole::new(1, 128);
+/// Ratio between the radii of neighbouring billboard rings.
+pub const RING_RATIO: Range = Range::new(1.01, 4.0);
+/// Interval whose light a frame gathers.
+pub const SHUTTER_S: Range = Range::new(0.000_1, 1.0);
+/// Bytes of the picture in one frame message: the largest raw picture.
+pub const FRAME_PAYLOAD_BYTES: u32 = 4 * 4096 * 4096;
+/// Frames that wait for one client per subscription.
+pub const QUEUE_FRAMES: Whole = Whole::new(1, 16);
+/// Commands that wait for the world.
+pub const QUEUE_COMMANDS: Whole = Whole::new(16, 65_536);
+/// Entries of a list in the settings (allowed origins).
+pub const SETTINGS_LIST: usize = 64;
+/// Length of a text in the settings in characters.
+pub const SETTINGS_TEXT_LENGTH: Whole = Whole::new(1, 256);
