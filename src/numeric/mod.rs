@@ -1,1 +1,4 @@
-//! Mathematics that knows no weather: noise, grids, error metrics, seeded random numbers.
+//! Mathematics that knows no weather: seeded random numbers and periodic noise.
+
+pub mod hash;
+pub mod noise;

@@ -1,0 +1,134 @@
+//! Coverage that is what was asked (deck paper eq. 15, calibrated).
+//!
+//! *What it is.* Cloud is where the shape value exceeds theta = patchiness * map + offset. The vertical cover is the
+//! share of columns whose vertical optical depth at usual thickness and density 1 exceeds a visible depth.
+//! *How we compute it.* For each column the greatest theta that leaves it visibly deep, by bisection; the map is uniform
+//! and independent of the tile, so the cover of an offset is an average over the columns, and its inverse a table.
+
+use super::density::{DensityVolume, HEIGHT, WIDTH};
+use super::kind::CloudKind;
+use std::sync::{Arc, LazyLock, Mutex};
+
+const STEPS: usize = 64;
+
+/// Offsets of theta by coverage, for one genus.
+#[derive(Debug)]
+pub struct Coverage {
+    offsets: [f32; STEPS + 1],
+    patchiness: f32,
+}
+
+/// How theta is made from the map for one coverage.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Threshold {
+    /// Factor on the map's value.
+    pub patchiness: f32,
+    /// Added to it.
+    pub offset: f32,
+    /// Mean theta of the places that have cloud: what the light volume is computed with.
+    pub typical: f32,
+}
+
+impl Coverage {
+    /// The calibration of a genus, made at first use and kept.
+    pub fn of(kind: CloudKind) -> Arc<Self> {
+        static KEPT: LazyLock<[Mutex<Option<Arc<Coverage>>>; 10]> =
+            LazyLock::new(|| std::array::from_fn(|_| Mutex::new(None)));
+        let mut kept = KEPT[kind.index()].lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        kept.get_or_insert_with(|| Arc::new(Self::build(kind))).clone()
+    }
+
+    /// Theta for a coverage of 0 to 1.
+    pub fn threshold(&self, coverage: f32) -> Threshold {
+        let at = coverage.clamp(0.0, 1.0) * STEPS as f32;
+        let i = (at as usize).min(STEPS - 1);
+        let offset = self.offsets[i] + (self.offsets[i + 1] - self.offsets[i]) * (at - i as f32);
+        // Cloud sits where the map is low: of the map's range the lowest `coverage` share, roughly.
+        let typical = offset + self.patchiness * 0.5 * coverage.clamp(0.15, 1.0);
+        Threshold { patchiness: self.patchiness, offset, typical }
+    }
+
+    fn build(kind: CloudKind) -> Self {
+        let look = kind.appearance();
+        let full = look.extinction_per_m * look.usual_thickness_m;
+        // Seen as cloud: an optical depth of 1, or a third of what the thin genera can reach.
+        let seen = column_thetas(kind, 1.0f32.min(full / 3.0));
+        // Overcast hides the ground: 5 lets 0.7 % of direct light through; thin genera cannot, and get 60 % of their most.
+        let hiding = column_thetas(kind, 5.0f32.min(full * 0.6));
+        let patchiness = look.patchiness;
+        let mut offsets = [0.0; STEPS + 1];
+        for (i, offset) in offsets.iter_mut().enumerate() {
+            let share = i as f32 / STEPS as f32;
+            *offset = invert(&seen, patchiness, share);
+            // From seven eighths on, what counts goes over from "seen" to "hides the ground".
+            let blend = ((share - 0.875) / 0.125).max(0.0);
+            let hidden = invert(&hiding, patchiness, share.min(0.999));
+            *offset += blend * (hidden.min(*offset) - *offset);
+        }
+        Self { offsets, patchiness }
+    }
+}
+
+/// Greatest theta at which each column still has the vertical optical depth `depth` at usual thickness.
+fn column_thetas(kind: CloudKind, depth: f32) -> Vec<f32> {
+    let volume = DensityVolume::of(kind);
+    let look = kind.appearance();
+    let per_voxel = look.extinction_per_m * look.usual_thickness_m / HEIGHT as f32;
+    let columns = WIDTH * WIDTH;
+    (0..columns)
+        .map(|column| {
+            let (mut low, mut high) = (-1.0f32, 1.0f32);
+            for _ in 0..12 {
+                let theta = 0.5 * (low + high);
+                let sum: f32 = (0..HEIGHT)
+                    .map(|z| {
+                        let value = f32::from(volume.shape[column + z * columns]) / 255.0;
+                        ((value - theta) / look.edge).clamp(0.0, 1.0)
+                    })
+                    .sum();
+                if sum * per_voxel >= depth { low = theta } else { high = theta }
+            }
+            low
+        })
+        .collect()
+}
+
+/// The offset at which a share of all (column, map value) pairs is covered.
+fn invert(thetas: &[f32], patchiness: f32, share: f32) -> f32 {
+    let cover = |offset: f32| {
+        // A column is covered for map values below (theta - offset) / patchiness; the map is uniform.
+        thetas.iter().map(|t| ((t - offset) / patchiness).clamp(0.0, 1.0)).sum::<f32>() / thetas.len() as f32
+    };
+    let (mut low, mut high) = (-1.5f32, 1.2f32);
+    for _ in 0..20 {
+        let offset = 0.5 * (low + high);
+        if cover(offset) >= share { low = offset } else { high = offset }
+    }
+    low
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn offsets_fall_with_coverage() {
+        let coverage = Coverage::of(CloudKind::Cumulus);
+        assert!(coverage.offsets.windows(2).all(|w| w[1] <= w[0] + 1e-6), "{:?}", coverage.offsets);
+    }
+
+    #[test]
+    fn half_cover_covers_half_of_the_columns() {
+        let threshold = Coverage::of(CloudKind::Cumulus).threshold(0.5);
+        let thetas = column_thetas(CloudKind::Cumulus, 1.0);
+        let covered: f64 = (0..256)
+            .map(|r| {
+                let theta = threshold.patchiness * (r as f32 / 255.0) + threshold.offset;
+                thetas.iter().filter(|t| **t >= theta).count() as f64 / thetas.len() as f64
+            })
+            .sum::<f64>()
+            / 256.0;
+        // Twelve bisections of 2 resolve theta to 5e-4; the shape's distribution is no steeper than 8 per unit.
+        assert!((covered - 0.5).abs() < 0.005, "{covered}");
+    }
+}

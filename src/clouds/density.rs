@@ -1,0 +1,101 @@
+//! The density volume of a genus: 256 x 256 x 32 shape values that tile every 16 km.
+//!
+//! *What it is.* A share from 0 to 1 per voxel (the deck paper's `T3D.a`); cloud is where it exceeds theta.
+//! *How we compute it.* Cellular and gradient noise for the elements, finer noise that erodes them, and a vertical
+//! profile that is subtracted, so that a lower theta gives wider *and* taller clouds.
+//! *How we store it.* One byte a voxel, x fastest, then y, then z upwards.
+//! *How we read it back.* Trilinear, wrapping in x and y, clamped in z (voxel centres at (k + 0.5) / 32 of the thickness).
+
+use super::kind::CloudKind;
+use crate::numeric::noise::{Cellular, fractal};
+use glam::{Vec2, Vec3};
+use rayon::prelude::*;
+use std::sync::{Arc, LazyLock, Mutex};
+
+/// Voxels east and north.
+pub const WIDTH: usize = 256;
+/// Voxels upwards.
+pub const HEIGHT: usize = 32;
+/// Period of the tile east and north.
+pub const TILE_M: f32 = 16_000.0;
+
+/// Shape values of one genus, `WIDTH * WIDTH * HEIGHT` bytes, x fastest, z slowest.
+pub struct DensityVolume {
+    /// Shape value times 255.
+    pub shape: Vec<u8>,
+}
+
+impl DensityVolume {
+    /// The volume of a genus, built at first use and kept (2 MiB each).
+    pub fn of(kind: CloudKind) -> Arc<Self> {
+        static KEPT: LazyLock<[Mutex<Option<Arc<DensityVolume>>>; 10]> =
+            LazyLock::new(|| std::array::from_fn(|_| Mutex::new(None)));
+        let mut kept = KEPT[kind.index()].lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        kept.get_or_insert_with(|| Arc::new(Self::build(kind))).clone()
+    }
+
+    fn build(kind: CloudKind) -> Self {
+        let look = kind.appearance();
+        let seed = 100 * (kind.index() as u32 + 1);
+        let [nx, ny] = look.elements;
+        let thickness = look.usual_thickness_m / TILE_M;
+        // Elements are as tall as they are wide where the layer is thick enough, but at least one fits in it.
+        let nz = ((nx.max(ny) as f32 * thickness).round() as u32).max(1);
+        let coarse = Cellular::new([nx, ny, nz + 1], seed);
+        let middle = Cellular::new([2 * nx + 1, 2 * ny + 1, 2 * nz + 1], seed + 1);
+        let fine = Cellular::new([4 * nx + 1, 4 * ny + 1, 4 * nz + 1], seed + 2);
+        let mut shape = vec![0u8; WIDTH * WIDTH * HEIGHT];
+        shape.par_chunks_mut(WIDTH).enumerate().for_each(|(row, out)| {
+            let (y, z) = (row % WIDTH, row / WIDTH);
+            let height = (z as f32 + 0.5) / HEIGHT as f32;
+            for (x, voxel) in out.iter_mut().enumerate() {
+                let at = Vec2::new((x as f32 + 0.5) / WIDTH as f32, (y as f32 + 0.5) / WIDTH as f32);
+                // The lattice of a coarser octave is not sheared against that of a finer one, so warp the plane a little.
+                let bend = 0.35 / nx as f32;
+                let warp = Vec2::new(
+                    fractal(at.extend(0.0) * nx as f32, [nx, nx, 1], 2, seed + 7),
+                    fractal(at.extend(0.5) * nx as f32, [nx, nx, 1], 2, seed + 8),
+                ) * bend;
+                let p = (at + warp).extend(height);
+                let billow = |cells: &Cellular, n: Vec3| 1.0 - cells.nearest(p * n).min(1.0);
+                let n1 = Vec3::new(nx as f32, ny as f32, nz as f32 * 0.999);
+                let n2 = Vec3::new((2 * nx + 1) as f32, (2 * ny + 1) as f32, 2.0 * nz as f32);
+                let n4 = Vec3::new((4 * nx + 1) as f32, (4 * ny + 1) as f32, 4.0 * nz as f32);
+                let heaps = 0.60 * billow(&coarse, n1) + 0.27 * billow(&middle, n2) + 0.13 * billow(&fine, n4);
+                let sheet = 0.5 + 0.9 * fractal(p * n1, [nx, ny, nz + 1], 4, seed + 3);
+                let eroding = fractal(p * n4, [4 * nx + 1, 4 * ny + 1, 4 * nz + 1], 3, seed + 4);
+                let body = sheet + look.heaped * (1.25 * heaps - sheet) + look.erosion * eroding;
+                let value = body - penalty(&look, height);
+                *voxel = (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+            }
+        });
+        Self { shape }
+    }
+}
+
+/// What the vertical profile takes away at a height share of 0 (base) to 1 (top).
+fn penalty(look: &super::kind::Appearance, height: f32) -> f32 {
+    let below = (1.0 - height / look.base_softness).max(0.0);
+    let above = (1.0 - (1.0 - height) / look.top_softness).max(0.0);
+    look.taper * height.powf(1.3) + 0.9 * below * below + 0.8 * above * above
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_genus_has_structure_and_closes_at_base_and_top() {
+        for kind in [CloudKind::Cumulus, CloudKind::Stratus, CloudKind::Cirrus] {
+            let volume = DensityVolume::of(kind);
+            let mean = |z: usize| {
+                let slice = &volume.shape[z * WIDTH * WIDTH..][..WIDTH * WIDTH];
+                slice.iter().map(|v| f64::from(*v)).sum::<f64>() / (255 * WIDTH * WIDTH) as f64
+            };
+            assert!(mean(0) < 0.5 * mean(12), "{kind:?}: base {} middle {}", mean(0), mean(12));
+            assert!(mean(HEIGHT - 1) < 0.5 * mean(12), "{kind:?}: top {}", mean(HEIGHT - 1));
+            let (low, high) = volume.shape.iter().fold((255u8, 0u8), |(low, high), v| (low.min(*v), high.max(*v)));
+            assert!(high > 150 && low < 30, "{kind:?}: {low}..{high}");
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! The ten cloud genera and what makes each look like itself.
+
+/// Cloud genera (WMO International Cloud Atlas), as CIGI's weather packets and METAR name them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum CloudKind {
+    /// St: featureless grey sheet.
+    Stratus,
+    /// Sc: rolls and patches with thin gaps.
+    Stratocumulus,
+    /// Cu: flat base, heaped tops.
+    Cumulus,
+    /// Cb: tower and anvil.
+    Cumulonimbus,
+    /// Ns: thick dark sheet.
+    Nimbostratus,
+    /// As: grey veil.
+    Altostratus,
+    /// Ac: small regular elements.
+    Altocumulus,
+    /// Ci: fibres.
+    Cirrus,
+    /// Cc: ripples.
+    Cirrocumulus,
+    /// Cs: halo veil.
+    Cirrostratus,
+}
+
+/// What makes a genus look like itself. Lengths in metres, extinction in 1/m; the rest are shares of the shape value,
+/// which runs from 0 to 1 and is cut off at theta (deck paper eq. 14-16).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Appearance {
+    /// Extinction where the cloud is fully there, `sigma_ref` (1/m), at density 1.
+    pub extinction_per_m: f32,
+    /// Thickness at which coverage is calibrated.
+    pub usual_thickness_m: f32,
+    /// Elements across the 16 km tile, east and north.
+    pub elements: [u32; 2],
+    /// Share of cellular (heaped) against gradient (smooth) noise, 0 to 1.
+    pub heaped: f32,
+    /// Amplitude of the erosion by finer noise.
+    pub erosion: f32,
+    /// Height share over which the base goes from nothing to whole.
+    pub base_softness: f32,
+    /// How much the shape value falls from base to top.
+    pub taper: f32,
+    /// Height share over which the top closes.
+    pub top_softness: f32,
+    /// Shape value from edge to fully there.
+    pub edge: f32,
+    /// Share of the large 2D map in theta.
+    pub patchiness: f32,
+}
+
+impl CloudKind {
+    /// All genera, in the order of the International Cloud Atlas's low to high.
+    pub const ALL: [Self; 10] = [
+        Self::Stratus,
+        Self::Stratocumulus,
+        Self::Cumulus,
+        Self::Cumulonimbus,
+        Self::Nimbostratus,
+        Self::Altostratus,
+        Self::Altocumulus,
+        Self::Cirrus,
+        Self::Cirrocumulus,
+        Self::Cirrostratus,
+    ];
+
+    /// The genus's appearance. Extinctions after the table in the project's facts (extinction is about
+    /// 3 LWC / (2 rho_w r_e) in the geometric limit).
+    pub fn appearance(self) -> Appearance {
+        let a = |extinction_per_m, usual_thickness_m, elements, heaped, erosion| Appearance {
+            extinction_per_m,
+            usual_thickness_m,
+            elements,
+            heaped,
+            erosion,
+            base_softness: 0.10,
+            taper: 0.25,
+            top_softness: 0.25,
+            edge: 0.16,
+            patchiness: 0.35,
+        };
+        match self {
+            Self::Stratus => Appearance { taper: 0.05, edge: 0.45, ..a(0.04, 400.0, [5, 5], 0.15, 0.12) },
+            Self::Stratocumulus => Appearance { taper: 0.18, edge: 0.22, ..a(0.04, 500.0, [9, 7], 0.75, 0.22) },
+            Self::Cumulus => Appearance { base_softness: 0.07, taper: 0.42, ..a(0.06, 1200.0, [9, 9], 0.85, 0.30) },
+            Self::Cumulonimbus => {
+                Appearance { base_softness: 0.04, taper: 0.30, edge: 0.12, ..a(0.08, 8000.0, [3, 3], 0.8, 0.30) }
+            }
+            Self::Nimbostratus => Appearance { taper: 0.05, edge: 0.5, ..a(0.05, 3000.0, [4, 4], 0.2, 0.15) },
+            Self::Altostratus => Appearance { taper: 0.05, edge: 0.6, ..a(0.015, 1000.0, [4, 6], 0.1, 0.12) },
+            Self::Altocumulus => Appearance { taper: 0.20, edge: 0.25, ..a(0.03, 400.0, [22, 18], 0.7, 0.2) },
+            Self::Cirrus => Appearance { taper: 0.0, edge: 0.6, ..a(0.0015, 1000.0, [3, 14], 0.05, 0.25) },
+            Self::Cirrocumulus => Appearance { taper: 0.1, edge: 0.4, ..a(0.001, 500.0, [26, 34], 0.6, 0.2) },
+            Self::Cirrostratus => Appearance { taper: 0.0, edge: 0.9, ..a(0.0006, 1500.0, [3, 4], 0.0, 0.1) },
+        }
+    }
+
+    /// Index in [`CloudKind::ALL`].
+    pub fn index(self) -> usize {
+        self as usize
+    }
+}

@@ -1,0 +1,159 @@
+//! The density and light of a layer at a point; twin of the functions of the same names in `deck.wgsl`.
+
+use super::{DETAIL_FADE_M, FLASH_CAP_M, Layer, Region};
+use crate::clouds::{density, detail, modulation};
+use crate::passes::common::{chart_weights, smoothstep, stereographic};
+use crate::passes::light::DIFFUSE_RANGE;
+use crate::passes::sampling::{map_repeat, volume_byte, volume_rgba};
+use glam::{Vec2, Vec3};
+
+/// What a layer's look-ups read.
+#[derive(Clone, Copy)]
+pub struct Textures<'a> {
+    /// One light volume a chart in use.
+    pub volumes: &'a [&'a [[u8; 4]]],
+    /// Upper bounds of the shape value by column (see [`column_bounds`]).
+    pub bounds: &'a [u8],
+    /// The 2D modulation map.
+    pub map: &'a [u8],
+    /// The detail volume.
+    pub detail: &'a [u8],
+}
+
+/// Extinction (share of whole, 0 to 1) and light shares at a point of a layer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Share of the layer's extinction.
+    pub whole: f32,
+    /// Directional, diffuse and sky light as stored (square roots).
+    pub light: Vec3,
+}
+
+/// Looks a layer up at `p` (east, north, height over the tangent plane), at height `height_m` over the sphere and range
+/// `t_m` from the eye; `None` where there is certainly no cloud.
+pub fn sample(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_m: f32, t_m: f32) -> Option<Sample> {
+    let radius = earth_m + height_m;
+    let z = stereographic(p, earth_m, radius);
+    let shift = region_shift(layer, z);
+    if shift >= 1.0 {
+        return None;
+    }
+    let share = (height_m - layer.base_m) / layer.thickness_m;
+    let weights = chart_weights(&layer.chart, layer.charts, p + Vec3::new(0.0, 0.0, earth_m), radius);
+    let (mut margin, mut light, mut any) = (0.0, Vec3::ZERO, false);
+    for (i, weight) in weights.iter().enumerate().take(layer.charts as usize) {
+        if *weight <= 0.0 {
+            continue;
+        }
+        let chart = &layer.chart[i];
+        let moved = chart.displacement(z);
+        let map = Vec2::from(chart.map_origin) + modulation::coordinates(moved);
+        let theta = layer.theta + layer.patchiness * map_repeat(textures.map, modulation::WIDTH, map.x, map.y) + shift;
+        let tile = (Vec2::from(chart.tile_origin_m) + moved) / density::TILE_M;
+        let slack = if layer.detail > 0.0 { 0.5 * layer.detail } else { 0.0 };
+        if layer.charts == 1 && bound(textures.bounds, tile) + slack <= theta {
+            return None;
+        }
+        any = true;
+        let [r, g, b, a] = volume_rgba(textures.volumes[i], density::WIDTH, density::HEIGHT, [tile.x, tile.y, share]);
+        margin += weight * (a - theta);
+        light += *weight * Vec3::new(r, g, b);
+    }
+    if !any {
+        return None;
+    }
+    if t_m < DETAIL_FADE_M[1] && margin.abs() < 1.0 {
+        let fade = 1.0 - smoothstep(DETAIL_FADE_M[0], DETAIL_FADE_M[1], t_m);
+        let q = [
+            layer.detail_origin[0] + z.x / detail::TILE_M,
+            layer.detail_origin[1] + z.y / detail::TILE_M,
+            height_m / detail::TILE_M,
+        ];
+        margin += layer.detail * fade * (volume_byte(textures.detail, detail::WIDTH, detail::WIDTH, true, q) - 0.5);
+    }
+    let whole = (margin * layer.inverse_edge).clamp(0.0, 1.0);
+    (whole > 0.0).then_some(Sample { whole, light })
+}
+
+/// Luminance that a point of cloud sends towards the eye where it is opaque, cd/m2 per colour (the source function).
+pub fn source(layer: &Layer, sample: &Sample, phase: f32, p: Vec3, height_m: f32) -> Vec3 {
+    let shares = sample.light * sample.light;
+    let per_steradian = DIFFUSE_RANGE * 0.079_577_47;
+    let below = (1.0 - (height_m - layer.base_m) / layer.thickness_m).clamp(0.0, 1.0);
+    let mut light = Vec3::from(layer.light_lux) * (phase * shares.x + per_steradian * shares.y)
+        + Vec3::from(layer.sky_lux) * (DIFFUSE_RANGE * shares.z)
+        + Vec3::from(layer.ground_lux) * (below * below);
+    for flash in &layer.flash[..layer.flashes as usize] {
+        // Eq. 21, the distance capped.
+        let d2 = (p - Vec3::from(flash.position_m)).length_squared().max(FLASH_CAP_M * FLASH_CAP_M);
+        light += Vec3::new(0.80, 0.90, 1.25) * (flash.intensity / d2);
+    }
+    light
+}
+
+/// Cornette-Shanks (eq. 10) as a weighted sum (eq. 9) of a forward and a backward lobe, 1/sr, at the cosine of the
+/// scattering angle. The forward lobe is broad: the peak is in the forward-scattered light already.
+pub fn phase(cos: f32) -> f32 {
+    let lobe = |f: f32| {
+        let d = 1.0 + f * f - 2.0 * f * cos;
+        1.5 * (1.0 - f * f) / (2.0 + f * f) * (1.0 + cos * cos) / (d * d.sqrt())
+    };
+    0.079_577_47 * (0.75 * lobe(0.70) + 0.25 * lobe(-0.25))
+}
+
+/// How much the outlines of the regions raise theta at a stereographic coordinate: 0 inside, 1 (clear) outside.
+fn region_shift(layer: &Layer, z: Vec2) -> f32 {
+    let mut there = 1.0;
+    for (i, region) in layer.outline[..layer.regions as usize].iter().enumerate() {
+        let own = layer.region == i as u32 + 1;
+        let inside = region_presence(region, z);
+        if layer.region == 0 {
+            there *= 1.0 - inside;
+        } else if own {
+            there = inside;
+        }
+    }
+    1.0 - there
+}
+
+/// 1 inside a region's outline, easing to 0 over its transition.
+fn region_presence(region: &Region, z: Vec2) -> f32 {
+    let d = z - Vec2::from(region.centre_m);
+    let [c, s] = region.rotation;
+    let q = Vec2::new(c * d.x + s * d.y, c * d.y - s * d.x).abs() - Vec2::from(region.core_m);
+    let outside = q.max(Vec2::ZERO).length() + q.x.max(q.y).min(0.0) - region.corner_m;
+    region.presence * (1.0 - smoothstep(0.0, 1.0, outside * region.inverse_transition))
+}
+
+/// Texels across the map of column bounds.
+pub const BOUNDS_WIDTH: usize = 128;
+
+/// Upper bounds of the shape value over blocks of 2 x 2 columns and their neighbours, so that a nearest look-up bounds
+/// every trilinear one.
+pub fn column_bounds(shape: &[u8]) -> Vec<u8> {
+    let width = density::WIDTH;
+    let columns: Vec<u8> = (0..width * width)
+        .map(|i| (0..density::HEIGHT).map(|z| shape[i + z * width * width]).max().unwrap_or(0))
+        .collect();
+    let ratio = (width / BOUNDS_WIDTH) as i32;
+    (0..BOUNDS_WIDTH * BOUNDS_WIDTH)
+        .map(|i| {
+            let (x, y) = ((i % BOUNDS_WIDTH) as i32 * ratio, (i / BOUNDS_WIDTH) as i32 * ratio);
+            let around = -1..=ratio;
+            around
+                .clone()
+                .flat_map(|dy| around.clone().map(move |dx| (dx, dy)))
+                .map(|(dx, dy)| {
+                    let wrap = |v: i32| v.rem_euclid(width as i32) as usize;
+                    columns[wrap(x + dx) + width * wrap(y + dy)]
+                })
+                .max()
+                .unwrap_or(0)
+        })
+        .collect()
+}
+
+fn bound(bounds: &[u8], tile: Vec2) -> f32 {
+    let cell = |u: f32| ((u - u.floor()) * BOUNDS_WIDTH as f32) as usize & (BOUNDS_WIDTH - 1);
+    f32::from(bounds[cell(tile.x) + BOUNDS_WIDTH * cell(tile.y)]) * (1.0 / 255.0)
+}

@@ -1,0 +1,109 @@
+//! The deck: layered volumetric cloud as instanced geometry (deck paper 4 and 5).
+//!
+//! On the GPU each layer is one instanced draw of one small mesh: an instance is a piece of a slice between two ring
+//! radii, or one ring; the plan sorts them from far to near and the shader finds the exact crossing of the pixel's ray, so
+//! the mesh only says which pixels are met and in what order. The twin walks the same crossings ray by ray from near
+//! to far and stops when nothing more can be seen. See `clouds::slices` for the weights.
+
+pub mod field;
+pub mod instances;
+pub mod twin;
+
+use crate::passes::common::{CHARTS, Chart};
+use bytemuck::{Pod, Zeroable};
+
+/// Regions that may shape a layer at once.
+pub const REGIONS: usize = 4;
+/// Flashes that light the deck at once.
+pub const FLASHES: usize = 8;
+
+/// A region's outline around the eye. Uniform; twin of `Region` in `deck.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Region {
+    /// Centre as a stereographic coordinate around the eye's ground point, m.
+    pub centre_m: [f32; 2],
+    /// Cosine and sine of the rotation of its axes against the eye's.
+    pub rotation: [f32; 2],
+    /// Half size less the corner radius, m.
+    pub core_m: [f32; 2],
+    /// Corner radius, m.
+    pub corner_m: f32,
+    /// 1 over the transition width, 1/m.
+    pub inverse_transition: f32,
+    /// 0 (not there) to 1.
+    pub presence: f32,
+    /// Pads to 16 bytes.
+    pub pad: [f32; 3],
+}
+
+/// A flash as a point light. Uniform; twin of `Flash` in `deck.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Flash {
+    /// Place: east, north, height over the tangent plane at the eye's ground point, m.
+    pub position_m: [f32; 3],
+    /// Luminous intensity over 4 pi, cd/sr: eq. 21's numerator times the isotropic phase function.
+    pub intensity: f32,
+}
+
+/// Everything about one layer. Uniform; twin of `Layer` in `deck.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Layer {
+    /// Light source's illuminance at the layer, lux per colour.
+    pub light_lux: [f32; 3],
+    /// Height of the base over the sphere.
+    pub base_m: f32,
+    /// Direction towards the light (east, north, up).
+    pub light_direction: [f32; 3],
+    /// Top minus base.
+    pub thickness_m: f32,
+    /// Sky's illuminance of the layer's top over 4 pi, per colour.
+    pub sky_lux: [f32; 3],
+    /// Extinction where the cloud is whole, 1/m (sigma_ref times D).
+    pub extinction_per_m: f32,
+    /// Light from below (ground, and cities at night) over 4 pi, per colour.
+    pub ground_lux: [f32; 3],
+    /// 1 over the shape value from edge to whole.
+    pub inverse_edge: f32,
+    /// Offset of theta.
+    pub theta: f32,
+    /// Factor on the map's value in theta.
+    pub patchiness: f32,
+    /// Height that one slice stands for.
+    pub spacing_m: f32,
+    /// Range that a ring stands for, as a share of the range.
+    pub ring_share: f32,
+    /// Radius of the first ring.
+    pub ring_first_m: f32,
+    /// Radius of the last ring.
+    pub ring_last_m: f32,
+    /// How far the layer is drawn.
+    pub extent_m: f32,
+    /// Amplitude of the fine detail near the eye, in shape value.
+    pub detail: f32,
+    /// Number of charts in use.
+    pub charts: u32,
+    /// Number of regions in use.
+    pub regions: u32,
+    /// Number of flashes in use.
+    pub flashes: u32,
+    /// Which region the layer belongs to, counted from 1; 0: the surroundings.
+    pub region: u32,
+    /// Origin of the detail noise in periods of its tile (east, north).
+    pub detail_origin: [f32; 2],
+    /// Pads to 16 bytes.
+    pub pad: [u32; 2],
+    /// The charts.
+    pub chart: [Chart; CHARTS],
+    /// The outlines of the regions.
+    pub outline: [Region; REGIONS],
+    /// The flashes.
+    pub flash: [Flash; FLASHES],
+}
+
+/// Distance below which a flash's light no longer rises (eq. 21 is singular there), m.
+pub const FLASH_CAP_M: f32 = 200.0;
+/// The fine detail fades between these ranges, m.
+pub const DETAIL_FADE_M: [f32; 2] = [2_500.0, 9_000.0];
