@@ -36,39 +36,110 @@ impl Layout {
 
 /// Every difference.
 pub fn complaints(sources: &[Source], modules: &[Module]) -> Vec<String> {
-    let mut complaints = Vec::new();
-    let mut known = BTreeMap::new();
-    for source in sources.iter().filter(|s| s.path.ends_with(".rs")) {
-        for declared in declarations(source) {
-            let place = format!("{}: {}", source.path, declared.name);
-            let layout = match layout(&declared.fields, &known) {
-                Ok(layout) => layout,
-                Err(why) => {
-                    complaints.push(format!("{place}: {why}"));
-                    continue;
-                }
-            };
-            known.insert(declared.name.clone(), layout.clone());
-            let twins: Vec<_> =
-                modules.iter().filter_map(|m| Some((&m.path, in_wgsl(&m.module, &declared.name)?))).collect();
-            if twins.is_empty() != declared.excused {
-                complaints.push(match declared.excused {
-                    true => format!("{place}: has a WGSL struct, but is excused from one"),
-                    false => format!("{place}: no WGSL struct of this name, and no line `/// No WGSL struct: ...`"),
-                });
+    let crate_types = Known::read(sources);
+    let mut complaints = crate_types.twice.clone();
+    for declared in crate_types.structs.values() {
+        let place = format!("{}: {}", declared.path, declared.name);
+        let layout = match crate_types.layout(declared) {
+            Ok(layout) => layout,
+            Err(why) => {
+                complaints.push(format!("{place}: {why}"));
+                continue;
             }
-            for (path, twin) in twins {
-                if twin.size != layout.size || twin.without_padding() != layout.without_padding() {
-                    complaints.push(format!("{place} differs from {path}:\n  Rust {layout:#?}\n  WGSL {twin:#?}"));
-                }
-            }
+        };
+        let twins: Vec<_> =
+            modules.iter().filter_map(|m| Some((&m.path, in_wgsl(&m.module, &declared.name)?))).collect();
+        if twins.is_empty() != declared.excused {
+            complaints.push(match declared.excused {
+                true => format!("{place}: has a WGSL struct, but is excused from one"),
+                false => format!("{place}: no WGSL struct of this name, and no line `/// No WGSL struct: ...`"),
+            });
+        }
+        let differs = |twin: &Layout| twin.size != layout.size || twin.without_padding() != layout.without_padding();
+        // Every shader holds its own copy of a shared struct: the first that differs says it all.
+        if let Some((path, twin)) = twins.iter().find(|(_, twin)| differs(twin)) {
+            complaints.push(format!("{place} differs from {path}:\n  Rust {layout:#?}\n  WGSL {twin:#?}"));
         }
     }
     complaints
 }
 
+/// The shared structs by name, and the constants that may stand as the length of an array.
+struct Known {
+    structs: BTreeMap<String, Declared>,
+    lengths: BTreeMap<String, u32>,
+    /// Complaints about names that were used twice.
+    twice: Vec<String>,
+}
+
+impl Known {
+    fn read(sources: &[Source]) -> Self {
+        let rust = || sources.iter().filter(|s| s.path.ends_with(".rs"));
+        let (mut structs, mut twice) = (BTreeMap::new(), Vec::new());
+        for declared in rust().flat_map(declarations) {
+            let place = format!("{}: {}", declared.path, declared.name);
+            if let Some(other) = structs.insert(declared.name.clone(), declared) {
+                twice.push(format!("{place}: {} has a shared struct of this name too", other.path));
+            }
+        }
+        Self { structs, lengths: rust().flat_map(|s| lengths(&s.text)).collect(), twice }
+    }
+
+    /// The layout that `repr(C)` gives a struct.
+    fn layout(&self, declared: &Declared) -> Result<Layout, String> {
+        let (mut end, mut widest) = (0_u32, 1_u32);
+        let mut members = Vec::new();
+        for (name, ty) in &declared.fields {
+            let (size, align, kind) = self.measured(ty).map_err(|why| format!("{name}: {why}"))?;
+            let offset = end.next_multiple_of(align);
+            members.push(Member { name: name.clone(), offset, size, kind });
+            (end, widest) = (offset + size, widest.max(align));
+        }
+        Ok(Layout { members, size: end.next_multiple_of(widest), align: widest })
+    }
+
+    /// Size, alignment and scalar kind of a Rust type.
+    fn measured(&self, ty: &[Token]) -> Result<(u32, u32, String), String> {
+        let words: Vec<&str> = ty.iter().map(|t| t.text.as_str()).collect();
+        match words.as_slice() {
+            ["f32" | "u32" | "i32"] => Ok((4, 4, words[0].to_owned())),
+            [.., "Vec2"] => Ok((8, 4, "f32".into())),
+            [.., "Vec3"] => Ok((12, 4, "f32".into())),
+            [.., "Vec4"] => Ok((16, 16, "f32".into())),
+            [.., "Mat4"] => Ok((64, 16, "f32".into())),
+            ["[", inner @ .., "]"] => {
+                let semicolon = words.iter().rposition(|w| *w == ";").ok_or("a slice has no layout")?;
+                let (size, align, kind) = self.measured(&ty[1..semicolon])?;
+                let length = inner.last().copied().unwrap_or_default();
+                let count = length.parse().ok().or_else(|| self.lengths.get(length).copied());
+                Ok((size * count.ok_or(format!("`{length}` is not a plain number of elements"))?, align, kind))
+            }
+            [.., name] => {
+                let unknown =
+                    || format!("`{}` is no type of the table in tests/architecture/layouts.rs", words.join(""));
+                let layout = self.layout(self.structs.get(*name).ok_or_else(unknown)?)?;
+                Ok((layout.size, layout.align, (*name).to_owned()))
+            }
+            [] => Err("a field without a type".into()),
+        }
+    }
+}
+
+/// `const NAME: usize = 3;`, by name.
+fn lengths(text: &str) -> Vec<(String, u32)> {
+    let words: Vec<String> = tokens(text).into_iter().map(|t| t.text).collect();
+    let constant = |w: &[String]| match w {
+        [word, name, colon, ty, is, value, end] if word == "const" && colon == ":" && ty == "usize" && is == "=" => {
+            value.replace('_', "").parse().ok().filter(|_| end == ";").map(|value| (name.clone(), value))
+        }
+        _ => None,
+    };
+    words.windows(7).filter_map(constant).collect()
+}
+
 /// A `#[repr(C)]` struct as it is written.
 struct Declared {
+    path: String,
     name: String,
     fields: Vec<(String, Vec<Token>)>,
     excused: bool,
@@ -94,7 +165,8 @@ fn declarations(source: &Source) -> Vec<Declared> {
                 line.starts_with("///") || line.starts_with("#[")
             });
             let excused = docs.into_iter().any(|l| l.trim().starts_with("/// No WGSL struct: "));
-            found.push(Declared { name, fields: fields(&tokens[at + 2..]), excused });
+            let path = source.path.clone();
+            found.push(Declared { path, name, fields: fields(&tokens[at + 2..]), excused });
         }
     }
     found
@@ -126,38 +198,6 @@ fn fields(tokens: &[Token]) -> Vec<(String, Vec<Token>)> {
         at += 1;
     }
     found
-}
-
-/// The layout that `repr(C)` gives these fields.
-fn layout(fields: &[(String, Vec<Token>)], known: &BTreeMap<String, Layout>) -> Result<Layout, String> {
-    let (mut end, mut widest) = (0_u32, 1_u32);
-    let mut members = Vec::new();
-    for (name, ty) in fields {
-        let (size, align, kind) = measured(ty, known).map_err(|why| format!("{name}: {why}"))?;
-        let offset = end.next_multiple_of(align);
-        members.push(Member { name: name.clone(), offset, size, kind });
-        (end, widest) = (offset + size, widest.max(align));
-    }
-    Ok(Layout { members, size: end.next_multiple_of(widest), align: widest })
-}
-
-/// Size, alignment and scalar kind of a Rust type.
-fn measured(ty: &[Token], known: &BTreeMap<String, Layout>) -> Result<(u32, u32, String), String> {
-    let words: Vec<&str> = ty.iter().map(|t| t.text.as_str()).collect();
-    match words.as_slice() {
-        ["f32" | "u32" | "i32"] => Ok((4, 4, words[0].to_owned())),
-        [.., "Vec2"] => Ok((8, 4, "f32".into())),
-        [.., "Vec3"] => Ok((12, 4, "f32".into())),
-        [.., "Vec4"] => Ok((16, 16, "f32".into())),
-        [.., "Mat4"] => Ok((64, 16, "f32".into())),
-        ["[", inner @ .., ";", count, "]"] => {
-            let (size, align, kind) = measured(&ty[1..=inner.len()], known)?;
-            let count: u32 = count.parse().map_err(|_| format!("`{count}` is not a plain number of elements"))?;
-            Ok((size * count, align, kind))
-        }
-        [.., name] if known.contains_key(*name) => Ok((known[*name].size, known[*name].align, (*name).to_owned())),
-        _ => Err(format!("`{}` is no type of the table in tests/architecture/layouts.rs", words.join(""))),
-    }
 }
 
 /// The struct of this name in a shader.
@@ -216,6 +256,7 @@ fn a_different_layout_is_found() {
     }
     assert_eq!(about("/// No WGSL struct: rows of a vertex buffer.\n#[repr(C)]\nstruct B { x: f32 }", wgsl), [""; 0]);
     assert_eq!(about("/// No WGSL struct: stale.\n#[repr(C)]\nstruct A { x: f32 }", "struct A { x: f32 }").len(), 1);
+    assert_eq!(about(&format!("{agrees}\n{agrees}"), wgsl).len(), 1, "a name used twice");
     assert_eq!(about("pub struct Plain { x: String }", wgsl), Vec::<String>::new());
 }
 
@@ -235,17 +276,17 @@ fn the_computed_layout_is_the_compilers() {
         e: glam::Mat4,
         f: u32,
     }
-    let text = "#[repr(C)] struct Inner { a: f32, b: [u32; 3] }
-                #[repr(C)] struct Outer { a: f32, b: glam::Vec4, c: [Inner; 2], d: glam::Vec3, e: glam::Mat4, f: u32 }";
-    let declared = declarations(&Source::new("a.rs", text));
-    let mut known = BTreeMap::new();
-    known.insert("Inner".to_owned(), layout(&declared[0].fields, &known).expect("known types"));
-    let outer = layout(&declared[1].fields, &known).expect("known types");
+    let text = "const TWO: usize = 2;
+                #[repr(C)] struct Outer { a: f32, b: glam::Vec4, c: [Inner; TWO], d: glam::Vec3, e: glam::Mat4, f: u32 }
+                #[repr(C)] struct Inner { a: f32, b: [u32; 3] }";
+    let known = Known::read(&[Source::new("a.rs", text)]);
+    let outer = known.layout(&known.structs["Outer"]).expect("known types");
+    let inner = known.layout(&known.structs["Inner"]).expect("known types");
     let offsets: Vec<usize> = outer.members.iter().map(|m| m.offset as usize).collect();
     macro_rules! offset {
         ($($field:ident),*) => { [$(std::mem::offset_of!(Outer, $field)),*] };
     }
     assert_eq!(offsets, offset!(a, b, c, d, e, f));
     assert_eq!(outer.size as usize, size_of::<Outer>());
-    assert_eq!(known["Inner"].size as usize, size_of::<Inner>());
+    assert_eq!(inner.size as usize, size_of::<Inner>());
 }
