@@ -1,0 +1,360 @@
+//! The render thread: owns the executor, the only one to touch it; snapshots in, finished frames out in order.
+
+use super::inbox::{Inbox, Posted, Work};
+use super::metrics::Metrics;
+use super::pacer::Pacer;
+use super::ring::{Ring, Slot};
+use super::step::StepGuard;
+use crate::frame::{Frame, LatencyStamps, Pixels};
+use crate::plan::executor::{Executor, Fault};
+use crate::plan::{FramePlan, Output, plan};
+use crate::world::snapshot::Snapshot;
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::Ordering::Relaxed;
+use std::time::Duration;
+use tokio::sync::mpsc;
+
+/// Makes an executor: the first one, and another after a device was lost. Called on the render thread, which owns what
+/// it makes, so executors need not be `Send`.
+pub type ExecutorFactory = Box<dyn FnMut() -> Result<Box<dyn Executor>, Fault> + Send>;
+
+/// A frame on its way out, or the news that one was lost.
+pub(super) enum Rendered {
+    /// A picture.
+    Frame {
+        frame: Arc<Frame>,
+        /// What it shows.
+        snapshot: Arc<Snapshot>,
+        /// The step that waits for its copies.
+        guard: Option<Arc<StepGuard>>,
+    },
+    /// A fault ate the frame of this snapshot.
+    Lost(Arc<Snapshot>),
+}
+
+/// How often a step's frame is tried again on a new executor before the step fails.
+const ATTEMPTS: u32 = 3;
+/// Between two attempts to make an executor after a loss.
+const REMAKE_EVERY: Duration = Duration::from_millis(500);
+/// How long the thread sleeps at most while pictures are under way and there is room for more.
+const POLL: Duration = Duration::from_millis(1);
+
+/// What is remembered of a view between its frames.
+struct Track {
+    number: u64,
+    last_plan: Option<Arc<FramePlan>>,
+    last_pixels: Option<Arc<Pixels>>,
+    pacer: Pacer,
+}
+
+pub(super) struct RenderThread {
+    factory: ExecutorFactory,
+    executor: Option<Box<dyn Executor>>,
+    inbox: Arc<Inbox>,
+    metrics: Arc<Metrics>,
+    out: mpsc::Sender<Rendered>,
+    tracks: BTreeMap<String, Track>,
+    ring: Ring,
+    last_fault: Option<String>,
+}
+
+impl RenderThread {
+    /// Makes the first executor.
+    ///
+    /// # Errors
+    /// The factory's fault: there is nothing to draw with.
+    pub(super) fn new(
+        mut factory: ExecutorFactory,
+        inbox: Arc<Inbox>,
+        metrics: Arc<Metrics>,
+        out: mpsc::Sender<Rendered>,
+    ) -> Result<Self, Fault> {
+        let executor = factory()?;
+        metrics.set_executor(executor.describe());
+        tracing::info!(executor = executor.describe(), depth = executor.depth(), "drawing");
+        Ok(Self {
+            factory,
+            executor: Some(executor),
+            inbox,
+            metrics,
+            out,
+            tracks: BTreeMap::new(),
+            ring: Ring::default(),
+            last_fault: None,
+        })
+    }
+
+    /// Draws until the inbox stops or nobody takes frames any more.
+    pub(super) fn run(mut self) {
+        loop {
+            if self.executor.is_none() && !self.remake() {
+                break;
+            }
+            let depth = self.depth();
+            let limit = if self.ring.is_empty() { None } else { Some(POLL) };
+            let room = self.ring.drawing() < depth;
+            // While running free, at most one round waits behind the one being drawn: more would only be older.
+            let work = if room { self.inbox.take(limit, self.ring.rounds() < 2) } else { Work::Nothing };
+            match work {
+                Work::Stop => break,
+                Work::Nothing if self.inbox.stopped() => break,
+                Work::Nothing => {}
+                Work::Free(posted, wanted) => self.round(&posted, None, &wanted),
+                Work::Step(posted, guard) => {
+                    let all = posted.snapshot.views.iter().map(|view| (view.name.clone(), f64::INFINITY)).collect();
+                    self.round(&posted, Some(&guard), &all);
+                    guard.all_submitted();
+                }
+            }
+            let wait = self.ring.drawing() >= self.depth();
+            self.collect(wait);
+            if !self.emit() {
+                break;
+            }
+        }
+    }
+
+    fn depth(&self) -> usize {
+        self.executor.as_ref().map_or(1, |executor| executor.depth().max(1))
+    }
+
+    /// Plans and submits every wanted view of one snapshot.
+    fn round(&mut self, posted: &Posted, guard: Option<&Arc<StepGuard>>, wanted: &BTreeMap<String, f64>) {
+        let snapshot = &posted.snapshot;
+        self.tracks.retain(|name, _| snapshot.views.iter().any(|view| view.name == *name));
+        self.ring.begin_round();
+        for view in &snapshot.views {
+            let Some(rate_hz) = wanted.get(&view.name) else { continue };
+            if guard.is_none() && !self.due(&view.name, *rate_hz, posted.snapshot_us) {
+                continue;
+            }
+            let planned = catch_unwind(AssertUnwindSafe(|| plan(snapshot, view, Output::Srgb8)));
+            let plan = match planned {
+                Ok(plan) => Arc::new(plan),
+                Err(panic) => {
+                    self.note_fault(&format!("planning panicked: {}", panic_text(panic.as_ref())));
+                    if let Some(guard) = guard {
+                        guard.fail("a fault of the server: see its log");
+                    }
+                    continue;
+                }
+            };
+            let track = self.track(&view.name);
+            let repeats = track.last_plan.as_ref() == Some(&plan);
+            track.last_plan = Some(Arc::clone(&plan));
+            let slot = Slot::new(view.name.clone(), plan, posted.clone(), guard.cloned(), repeats);
+            let ticket = self.ring.push(slot);
+            if !repeats {
+                self.submit(ticket);
+            }
+        }
+    }
+
+    fn due(&mut self, view: &str, rate_hz: f64, now_us: u64) -> bool {
+        let pacer = &mut self.track(view).pacer;
+        pacer.set_rate(rate_hz);
+        pacer.due(now_us)
+    }
+
+    fn track(&mut self, view: &str) -> &mut Track {
+        self.tracks.entry(view.to_owned()).or_insert_with(|| Track {
+            number: 0,
+            last_plan: None,
+            last_pixels: None,
+            pacer: Pacer::new(60.0),
+        })
+    }
+
+    /// Gives one slot to the executor, first making room in its ring.
+    fn submit(&mut self, ticket: u64) {
+        while self.ring.drawing() >= self.depth() && self.executor.is_some() {
+            self.collect(true);
+            if !self.emit() {
+                return;
+            }
+        }
+        let now_us = self.metrics.now_us();
+        let Some(slot) = self.ring.slot_mut(ticket) else { return };
+        let Some(executor) = self.executor.as_mut() else { return };
+        slot.submitted_us = now_us;
+        slot.drawing = true;
+        let plan = Arc::clone(&slot.plan);
+        let result = catch_unwind(AssertUnwindSafe(|| executor.submit(ticket, &plan)));
+        match result {
+            Ok(Ok(())) => {}
+            Ok(Err(Fault::DeviceLost(why))) => self.lose_device(&why),
+            Ok(Err(fault)) => {
+                self.note_fault(&fault.to_string());
+                self.give_up(ticket);
+            }
+            Err(panic) => self.lose_device(&format!("drawing panicked: {}", panic_text(panic.as_ref()))),
+        }
+    }
+
+    fn collect(&mut self, wait: bool) {
+        if self.ring.drawing() == 0 {
+            return;
+        }
+        let Some(executor) = self.executor.as_mut() else { return };
+        match catch_unwind(AssertUnwindSafe(|| executor.collect(wait))) {
+            Ok(Ok(finished)) => {
+                let now_us = self.metrics.now_us();
+                for picture in finished {
+                    if let Some(slot) = self.ring.slot_mut(picture.ticket) {
+                        slot.drawing = false;
+                        slot.finished_us = now_us;
+                        slot.pixels = Some(Arc::new(picture.pixels));
+                    }
+                }
+            }
+            Ok(Err(Fault::DeviceLost(why))) => self.lose_device(&why),
+            Ok(Err(fault)) => {
+                self.note_fault(&fault.to_string());
+                for ticket in self.ring.drawing_tickets() {
+                    self.give_up(ticket);
+                }
+            }
+            Err(panic) => self.lose_device(&format!("drawing panicked: {}", panic_text(panic.as_ref()))),
+        }
+    }
+
+    /// Hands finished frames out, oldest first. False when nobody takes them any more.
+    fn emit(&mut self) -> bool {
+        while let Some(slot) = self.ring.pop_ready() {
+            let rendered = self.finish(slot);
+            if self.out.blocking_send(rendered).is_err() {
+                return false;
+            }
+        }
+        true
+    }
+
+    fn finish(&mut self, slot: Slot) -> Rendered {
+        let snapshot = Arc::clone(&slot.posted.snapshot);
+        let repeated = slot.repeats && slot.pixels.is_none();
+        let last_pixels = self.tracks.get(&slot.view).and_then(|track| track.last_pixels.clone());
+        let Some(pixels) = slot.pixels.or(if repeated { last_pixels } else { None }) else {
+            return Rendered::Lost(snapshot);
+        };
+        let size_px = slot.plan.size_px;
+        let track = self.track(&slot.view);
+        track.number += 1;
+        track.last_pixels = Some(Arc::clone(&pixels));
+        let number = track.number;
+        let now_us = self.metrics.now_us();
+        let stamps = LatencyStamps {
+            received_us: slot.posted.received_us,
+            snapshot_us: slot.posted.snapshot_us,
+            submitted_us: if repeated { now_us } else { slot.submitted_us },
+            finished_us: if repeated { now_us } else { slot.finished_us },
+        };
+        self.measure(&slot.view, &stamps, repeated);
+        if let Some(guard) = &slot.guard {
+            guard.frame(&slot.view, number);
+        }
+        let frame = Arc::new(Frame {
+            view: slot.view,
+            number,
+            host_frame: snapshot.host_frame,
+            simulation_time_s: snapshot.simulation_time_s,
+            width: size_px[0],
+            height: size_px[1],
+            pixels,
+            provisional: false,
+            repeated,
+            stamps,
+        });
+        Rendered::Frame { frame, snapshot, guard: slot.guard }
+    }
+
+    fn measure(&self, view: &str, stamps: &LatencyStamps, repeated: bool) {
+        self.metrics.count(view, |counts| counts.frame(stamps, repeated));
+        if !repeated {
+            self.metrics.render.add_us(stamps.finished_us.saturating_sub(stamps.submitted_us));
+        }
+    }
+
+    /// This slot gives no picture, and what repeats it neither.
+    fn give_up(&mut self, ticket: u64) {
+        if let Some(slot) = self.ring.slot_mut(ticket) {
+            slot.drawing = false;
+            slot.repeats = false;
+            slot.given_up = true;
+            if let Some(guard) = &slot.guard {
+                guard.fail("a fault of the server: see its log");
+            }
+            let view = slot.view.clone();
+            self.ring.forget_repeats(&view);
+            if let Some(track) = self.tracks.get_mut(&view) {
+                track.last_plan = None;
+                track.last_pixels = None;
+            }
+        }
+    }
+
+    fn lose_device(&mut self, why: &str) {
+        self.note_fault(&format!("the device is lost, another executor follows: {why}"));
+        self.executor = None;
+        for track in self.tracks.values_mut() {
+            track.last_plan = None;
+        }
+        for ticket in self.ring.unfinished_tickets() {
+            let Some(slot) = self.ring.slot_mut(ticket) else { continue };
+            slot.drawing = false;
+            slot.repeats = false;
+            slot.attempts += 1;
+            // A free-running frame is old by the time there is a new device; a step's frame is owed.
+            if slot.guard.is_none() || slot.attempts >= ATTEMPTS {
+                self.give_up(ticket);
+            }
+        }
+    }
+
+    /// Makes a new executor and submits again what is owed. False: the server stops.
+    fn remake(&mut self) -> bool {
+        while self.executor.is_none() {
+            if self.inbox.stopped() || !self.emit() {
+                return false;
+            }
+            match catch_unwind(AssertUnwindSafe(|| (self.factory)())) {
+                Ok(Ok(executor)) => {
+                    self.metrics.executors_remade.fetch_add(1, Relaxed);
+                    self.metrics.set_executor(executor.describe());
+                    tracing::info!(executor = executor.describe(), "drawing again");
+                    self.executor = Some(executor);
+                    for ticket in self.ring.unfinished_tickets() {
+                        self.submit(ticket);
+                    }
+                }
+                Ok(Err(fault)) => {
+                    self.note_fault(&fault.to_string());
+                    self.inbox.pause(REMAKE_EVERY);
+                }
+                Err(panic) => {
+                    self.note_fault(&format!("making an executor panicked: {}", panic_text(panic.as_ref())));
+                    self.inbox.pause(REMAKE_EVERY);
+                }
+            }
+        }
+        true
+    }
+
+    /// Counts a fault and logs it, unless it is the one that was logged last.
+    fn note_fault(&mut self, what: &str) {
+        self.metrics.faults.fetch_add(1, Relaxed);
+        if self.last_fault.as_deref() != Some(what) {
+            tracing::error!(fault = what, "fault");
+            self.last_fault = Some(what.to_owned());
+        }
+    }
+}
+
+fn panic_text(panic: &(dyn std::any::Any + Send)) -> &str {
+    panic
+        .downcast_ref::<&str>()
+        .copied()
+        .or_else(|| panic.downcast_ref::<String>().map(String::as_str))
+        .unwrap_or("without a word")
+}
