@@ -1,5 +1,9 @@
 //! The globe in f64: WGS84, local frames, charts for cloud textures, sun and moon, land and sea.
 
+pub mod celestial;
+pub mod frames;
+pub mod wgs84;
+
 /// A point on or above the WGS84 ellipsoid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Geodetic {

@@ -1,1 +1,5 @@
 //! A flash as geometry and time: strokes, photometry.
+
+pub mod flash;
+pub mod photometry;
+pub mod random;

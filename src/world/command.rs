@@ -8,6 +8,8 @@ use std::sync::Arc;
 
 use super::timeline::Timeline;
 
+pub use crate::lightning::flash::{FlashKind, Polarity, StrokeSpec};
+
 /// One change of the world.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
@@ -185,35 +187,6 @@ pub struct ViewEdit {
     pub exposure: Option<Exposure>,
 }
 
-/// Where a flash goes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FlashKind {
-    /// Cloud to ground.
-    CloudToGround,
-    /// Inside one cloud.
-    IntraCloud,
-    /// From cloud to cloud.
-    CloudToCloud,
-}
-
-/// Sign of the charge brought down.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Polarity {
-    /// The usual case.
-    Negative,
-    /// Rarer, stronger, mostly of one stroke.
-    Positive,
-}
-
-/// One stroke as a host gives it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StrokeSpec {
-    /// Seconds after the flash begins.
-    pub delay_s: f64,
-    /// Peak current in kiloamperes, positive.
-    pub peak_current_ka: f64,
-}
-
 /// Strokes of a flash.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Strokes {
@@ -232,7 +205,8 @@ pub struct StrikeRequest {
     pub longitude_deg: f64,
     /// Height of the light's centre above the ellipsoid; `None`: in the lowest cloud layer, or 2000 m when there is none.
     pub altitude_m: Option<f64>,
-    /// Simulation time; `None`: now.
+    /// Simulation time, not in the past; `None`: now, which is the beginning of the next picture's shutter interval (in a
+    /// scenario: the entry's own time).
     pub at_s: Option<f64>,
     /// Type.
     pub kind: FlashKind,

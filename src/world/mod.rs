@@ -1,6 +1,164 @@
 //! The world: the only mutable truth. Commands go in, snapshots come out.
+//!
+//! Everything that moves is kept as where it came from and where it goes, and evaluated for a moment: the state at a time
+//! depends on the commands and their times alone, never on how often anybody looked or in what steps the time went.
 
 pub mod command;
 pub mod event;
+pub mod limits;
+pub mod regions;
 pub mod snapshot;
 pub mod timeline;
+
+mod check;
+mod clock;
+mod drift;
+mod ease;
+mod layer;
+mod ownship;
+mod player;
+mod state;
+mod strikes;
+mod views;
+mod weather;
+
+pub use command::Command;
+pub use event::{Applied, Event, Refused};
+pub use snapshot::Snapshot;
+pub use timeline::{TimedCommand, Timeline};
+
+use command::ScenarioEdit;
+use player::Player;
+use snapshot::Quality;
+use state::State;
+
+/// The quality of a new world.
+pub const DEFAULT_QUALITY: Quality = Quality { slices: 32, ring_ratio: 1.2 };
+
+/// The world.
+#[derive(Clone, Debug)]
+pub struct World {
+    state: State,
+    player: Player,
+    quality: Quality,
+    snapshots: u64,
+}
+
+impl Default for World {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl World {
+    /// Ownship at 47 N 8 E, 1500 m; clear, visibility 40 km; one view "main" of 640 x 360 and 60 degrees;
+    /// 2026-06-21T11:30:00Z at rate 1; no scenario, the time running.
+    pub fn new() -> Self {
+        Self { state: State::new(1), player: Player::default(), quality: DEFAULT_QUALITY, snapshots: 0 }
+    }
+
+    /// Applies a command at the present simulation time.
+    ///
+    /// # Errors
+    /// [`Refused`], and nothing at all has changed.
+    pub fn apply(&mut self, command: Command) -> Result<Applied, Refused> {
+        match command {
+            Command::Scenario(edit) => self.scenario(edit).map(|()| Applied::Done),
+            other => self.state.apply(&other, None),
+        }
+    }
+
+    /// Lets the simulation time go on to a later moment (an earlier one, or what is no number, is ignored); what the
+    /// scenario has in between is applied in order, each entry at its own time. The time stops at the scenario's end and
+    /// at the limit of simulation time.
+    pub fn advance_to(&mut self, simulation_time_s: f64) {
+        self.player.advance(&mut self.state, simulation_time_s);
+    }
+
+    /// Simulation time in seconds since the world or the scenario began.
+    pub fn simulation_time_s(&self) -> f64 {
+        self.state.now_s()
+    }
+
+    /// Whether the time runs by itself: not while paused, nor at the scenario's end. (`advance_to` always works.)
+    pub fn playing(&self) -> bool {
+        self.player.playing(self.state.now_s())
+    }
+
+    /// Seconds of simulation per second of wall clock while playing.
+    pub fn speed(&self) -> f64 {
+        self.player.speed()
+    }
+
+    /// The scenario that is loaded.
+    pub fn timeline(&self) -> Option<&Timeline> {
+        self.player.timeline()
+    }
+
+    /// Takes a snapshot whose pictures gather the light of `[now, now + shutter_s)`; flashes asked for "now" begin with it.
+    /// A shutter interval that is negative or no number is taken as 0: one instant.
+    pub fn snapshot(&mut self, shutter_s: f64) -> Snapshot {
+        self.snapshots += 1;
+        self.state.begin_strikes();
+        self.peek(shutter_s)
+    }
+
+    /// The same without counting it or beginning anything: for an answer to somebody who asks, not for a picture.
+    pub fn peek(&self, shutter_s: f64) -> Snapshot {
+        self.state.snapshot(self.snapshots, if shutter_s > 0.0 { shutter_s.min(1e6) } else { 0.0 }, self.quality)
+    }
+
+    /// Sets what may be spent on a picture; out of range is brought to the nearest limit, what is no number changes nothing.
+    pub fn set_quality(&mut self, quality: Quality) {
+        let [low, high] = limits::RING_RATIO;
+        if !quality.ring_ratio.is_nan() {
+            self.quality.ring_ratio = quality.ring_ratio.clamp(low, high);
+        }
+        self.quality.slices = quality.slices.clamp(limits::SLICES[0], limits::SLICES[1]);
+    }
+
+    /// Numbers of the flashes that have ended since the last call, whether anybody saw them or not.
+    pub fn finished_flashes(&mut self) -> Vec<u64> {
+        self.state.take_finished_flashes()
+    }
+
+    /// Scenario entries (by index) that were refused when they became due, since the last call: a scenario is checked when
+    /// it is loaded, so only commands from elsewhere in the meantime can cause one.
+    pub fn take_refusals(&mut self) -> Vec<(usize, Refused)> {
+        self.player.take_refusals()
+    }
+
+    /// Plays a scenario into a world of its own and returns every complaint with its entry's index (complaints about the
+    /// scenario as a whole have the number of entries as their index).
+    pub fn validate(timeline: &Timeline) -> Vec<(usize, Refused)> {
+        player::validate(timeline)
+    }
+
+    fn scenario(&mut self, edit: ScenarioEdit) -> Result<(), Refused> {
+        match edit {
+            ScenarioEdit::Load(timeline) => {
+                if let Some((index, refused)) = player::validate(&timeline).into_iter().next() {
+                    let entries = timeline.entries.len();
+                    let field =
+                        if index < entries { format!("entries[{index}].{}", refused.field) } else { refused.field };
+                    return Err(Refused { field, ..refused });
+                }
+                self.player.load(&mut self.state, timeline);
+                Ok(())
+            }
+            ScenarioEdit::Play => {
+                self.player.set_playing(true);
+                Ok(())
+            }
+            ScenarioEdit::Pause => {
+                self.player.set_playing(false);
+                Ok(())
+            }
+            ScenarioEdit::Seek { at_s } => self.player.seek(&mut self.state, at_s),
+            ScenarioEdit::Speed { factor } => self.player.set_speed(factor),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

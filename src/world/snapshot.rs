@@ -27,7 +27,7 @@ pub struct Snapshot {
     pub regions: Vec<RegionState>,
     /// The views, by name.
     pub views: Vec<ViewState>,
-    /// Flashes that have light in the shutter interval or will have it soon.
+    /// Flashes of which some part lies in the shutter interval, in the order of their numbers.
     pub flashes: Vec<FlashState>,
     /// Sun and moon.
     pub sky: SkyState,
@@ -71,7 +71,7 @@ pub struct LayerState {
     /// Direction that the wind comes from, from true north, clockwise.
     pub wind_from_deg: f64,
     /// Where the wind has carried the pattern: the rotation about the Earth's centre (ECEF axes) that brings the
-    /// pattern of simulation time 0 to where it is now. A wind is a rigid rotation, so it has no seam anywhere.
+    /// pattern from where it was when the layer appeared to where it is now. A wind is a rigid rotation, so it has no seam anywhere.
     pub drift: DQuat,
 }
 

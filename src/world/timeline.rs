@@ -2,14 +2,14 @@
 
 use super::command::Command;
 
-/// A scenario, checked: commands in rising order of time.
+/// A scenario: commands in rising order of time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Timeline {
     /// Short name.
     pub name: String,
     /// One or two sentences for people.
     pub description: String,
-    /// Simulation time in seconds at which it ends (a player stops the time there unless `repeat`).
+    /// Simulation time in seconds at which it ends and the time stops; 0: it never ends.
     pub duration_s: f64,
     /// Commands in rising order of simulation time; those at 0 make the starting state.
     pub entries: Vec<TimedCommand>,

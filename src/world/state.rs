@@ -1,0 +1,163 @@
+//! The state of the world: everything that a snapshot shows, at the present simulation time.
+
+use crate::geo::Geodetic;
+use crate::geo::celestial::sun_and_moon;
+use std::collections::VecDeque;
+
+use super::clock::Clock;
+use super::command::{Command, StrikeRequest, WeatherEdit};
+use super::event::{Applied, Refused};
+use super::ownship::LastKnown;
+use super::regions::{self, Region};
+use super::snapshot::{Quality, SkyState, Snapshot, ViewState};
+use super::strikes::Strikes;
+use super::views;
+use super::weather::Weather;
+
+/// Height of a flash's light where there is no cloud.
+const STRIKE_ALTITUDE_WITHOUT_CLOUD_M: f64 = 2_000.0;
+
+/// The state of the world.
+#[derive(Clone, Debug)]
+pub struct State {
+    now_s: f64,
+    ownship: LastKnown,
+    weather: Weather,
+    regions: Vec<Region>,
+    views: Vec<ViewState>,
+    clock: Clock,
+    strikes: Strikes,
+    next_flash_id: u64,
+}
+
+impl State {
+    /// The defaults of [`super::World::new`] at simulation time 0; flashes are numbered from `next_flash_id`.
+    pub fn new(next_flash_id: u64) -> Self {
+        Self {
+            now_s: 0.0,
+            ownship: LastKnown::default(),
+            weather: Weather::clear(),
+            regions: Vec::new(),
+            views: vec![views::default_view(views::DEFAULT_VIEW)],
+            clock: Clock::default(),
+            strikes: Strikes::default(),
+            next_flash_id,
+        }
+    }
+
+    /// Simulation time.
+    pub fn now_s(&self) -> f64 {
+        self.now_s
+    }
+
+    /// Sets a later simulation time; an earlier one is ignored.
+    pub fn advance(&mut self, now_s: f64) {
+        self.now_s = self.now_s.max(now_s);
+    }
+
+    /// Applies a command. `scenario_flash_id`: the number of a flash that a scenario asks for; such a flash begins exactly
+    /// now when it says no time.
+    ///
+    /// # Errors
+    /// [`Refused`], and nothing has changed. Commands to the scenario player are refused: they are not for the state.
+    pub fn apply(&mut self, command: &Command, scenario_flash_id: Option<u64>) -> Result<Applied, Refused> {
+        match command {
+            Command::Ownship(message) => self.ownship = LastKnown::new(message, self.now_s)?,
+            Command::Weather(edit) => self.edit_weather(edit)?,
+            Command::RemoveRegion { name, transition_s } => {
+                regions::remove(&mut self.regions, name, *transition_s, self.now_s)?;
+            }
+            Command::Time(edit) => self.clock.edit(edit, self.now_s)?,
+            Command::View(edit) => views::edit(&mut self.views, edit)?,
+            Command::RemoveView { name } => views::remove(&mut self.views, name)?,
+            Command::Strike(request) => return self.strike(request, scenario_flash_id),
+            Command::Scenario(_) => {
+                let limit = "ownship, weather, time, view and strike commands";
+                return Err(Refused::new("command", "scenario", limit, "a scenario cannot command its own player"));
+            }
+        }
+        Ok(Applied::Done)
+    }
+
+    /// Begins the flashes that wait for a picture.
+    pub fn begin_strikes(&mut self) {
+        self.strikes.begin(self.now_s);
+    }
+
+    /// Numbers of the flashes that have ended since the last call.
+    pub fn take_finished_flashes(&mut self) -> Vec<u64> {
+        self.strikes.take_finished(self.now_s)
+    }
+
+    /// Numbers of all flashes not yet asked for, for the state that replaces this one.
+    pub fn abandon_flashes(&mut self) -> VecDeque<u64> {
+        self.strikes.abandon()
+    }
+
+    /// Takes over flash numbers of the state that this one replaces.
+    pub fn inherit(&mut self, finished: VecDeque<u64>, next_flash_id: u64) {
+        self.strikes.inherit_finished(finished, self.now_s);
+        self.next_flash_id = next_flash_id;
+    }
+
+    /// The number that the next flash gets.
+    pub fn next_flash_id(&self) -> u64 {
+        self.next_flash_id
+    }
+
+    /// Everything at this moment.
+    pub fn snapshot(&self, number: u64, shutter_s: f64, quality: Quality) -> Snapshot {
+        let now_s = self.now_s;
+        let utc_s = self.clock.utc_s(now_s);
+        let sky = sun_and_moon(utc_s);
+        Snapshot {
+            number,
+            host_frame: self.ownship.host_frame(),
+            simulation_time_s: now_s,
+            shutter_s: [now_s, now_s + shutter_s],
+            utc_s,
+            ownship: self.ownship.at(now_s),
+            weather: self.weather.at(now_s),
+            regions: regions::at(&self.regions, now_s),
+            views: self.views.clone(),
+            flashes: self.strikes.at(now_s, now_s + shutter_s),
+            sky: SkyState {
+                sun_direction_ecef: sky.sun_m.normalize(),
+                moon_direction_ecef: sky.moon_m.normalize(),
+                moon_lit_fraction: sky.moon_lit_fraction,
+            },
+            quality,
+        }
+    }
+
+    fn edit_weather(&mut self, edit: &WeatherEdit) -> Result<(), Refused> {
+        match &edit.region {
+            Some(shape) => regions::edit(&mut self.regions, shape, edit, &self.weather, self.now_s),
+            None => self.weather.edit(edit, &self.ownship.at(self.now_s).position, self.now_s),
+        }
+    }
+
+    fn strike(&mut self, request: &StrikeRequest, scenario_flash_id: Option<u64>) -> Result<Applied, Refused> {
+        let id = scenario_flash_id.unwrap_or(self.next_flash_id);
+        let begin_s = request.at_s.or(scenario_flash_id.map(|_| self.now_s));
+        self.strikes.accept(id, request, begin_s, self.cloud_altitude_m(request), self.now_s)?;
+        if scenario_flash_id.is_none() {
+            self.next_flash_id += 1;
+        }
+        Ok(Applied::Flash { id })
+    }
+
+    /// The middle of the lowest layer with any cloud in it, of the weather that rules (or will rule) at the place.
+    fn cloud_altitude_m(&self, request: &StrikeRequest) -> f64 {
+        let place = Geodetic {
+            latitude_rad: request.latitude_deg.to_radians(),
+            longitude_rad: request.longitude_deg.to_radians(),
+            altitude_m: 0.0,
+        };
+        let ruling = |region: &&Region| regions::weight_at(&region.at(self.now_s).shape, &place) >= 0.5;
+        let region = self.regions.iter().rev().filter(|region| !region.leaving()).find(ruling);
+        let layers = region.map_or(&self.weather, Region::weather).targets();
+        let cloud = layers.iter().find(|layer| layer.coverage > 0.0);
+        cloud.map_or(STRIKE_ALTITUDE_WITHOUT_CLOUD_M, |layer| layer.base_m + layer.thickness_m / 2.0)
+    }
+}

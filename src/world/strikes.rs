@@ -1,0 +1,174 @@
+//! The flashes of the world: accepted, waiting, giving light, over.
+
+use crate::geo::Geodetic;
+use crate::lightning::flash::Flash;
+use std::collections::VecDeque;
+
+use super::check;
+use super::command::{StrikeRequest, Strokes};
+use super::event::Refused;
+use super::limits;
+use super::snapshot::FlashState;
+
+/// All flashes that are not over, and the numbers of those that are.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Strikes {
+    pending: Vec<Pending>,
+    finished: VecDeque<u64>,
+}
+
+/// One accepted flash.
+#[derive(Clone, Debug, PartialEq)]
+struct Pending {
+    id: u64,
+    request: StrikeRequest,
+    position: Geodetic,
+    flash: Flash,
+    /// `None`: begins with the next picture.
+    begin_s: Option<f64>,
+}
+
+impl Pending {
+    fn over(&self, now_s: f64) -> bool {
+        self.begin_s.is_some_and(|begin_s| begin_s + self.flash.duration_s() <= now_s)
+    }
+}
+
+impl Strikes {
+    /// Accepts a flash under a number. `begin_s`: `None` to begin with the next picture. `altitude_m`: where the light is
+    /// when the request does not say.
+    ///
+    /// # Errors
+    /// [`Refused`] for a value out of range, a time in the past, strokes out of order, or too many flashes.
+    pub fn accept(
+        &mut self,
+        id: u64,
+        request: &StrikeRequest,
+        begin_s: Option<f64>,
+        altitude_m: f64,
+        now_s: f64,
+    ) -> Result<(), Refused> {
+        check_request(request, now_s)?;
+        self.settle(now_s);
+        check::at_most("strike", self.pending.len() + 1, limits::MAX_PENDING_STRIKES, "flashes waiting or under way")?;
+        let flash = match &request.strokes {
+            Strokes::Sample => Flash::sample(request.kind, request.polarity, request.peak_current_ka, request.seed),
+            Strokes::Given(strokes) => {
+                let mut strokes = strokes.clone();
+                if let (Some(first), Some(peak_current_ka)) = (strokes.first_mut(), request.peak_current_ka) {
+                    first.peak_current_ka = peak_current_ka;
+                }
+                Flash::given(request.kind, request.polarity, &strokes, request.seed)
+            }
+        };
+        let position = Geodetic {
+            latitude_rad: request.latitude_deg.to_radians(),
+            longitude_rad: request.longitude_deg.to_radians(),
+            altitude_m: request.altitude_m.unwrap_or(altitude_m),
+        };
+        self.pending.push(Pending { id, request: request.clone(), position, flash, begin_s });
+        Ok(())
+    }
+
+    /// Begins the flashes that wait for a picture.
+    pub fn begin(&mut self, now_s: f64) {
+        for pending in &mut self.pending {
+            pending.begin_s.get_or_insert(now_s);
+        }
+    }
+
+    /// The flashes of which some part lies in `[begin_s, end_s)`, with their light in it; those that still wait are
+    /// taken to begin at `begin_s`.
+    pub fn at(&self, begin_s: f64, end_s: f64) -> Vec<FlashState> {
+        let mut states = Vec::new();
+        for pending in &self.pending {
+            let first_s = pending.begin_s.unwrap_or(begin_s);
+            let last_s = first_s + pending.flash.duration_s();
+            // An interval of no length is one instant.
+            if last_s <= begin_s || first_s > begin_s && first_s >= end_s {
+                continue;
+            }
+            let power_lm = if end_s > begin_s {
+                pending.flash.energy_in_lm_s(begin_s - first_s, end_s - first_s) / (end_s - begin_s)
+            } else {
+                pending.flash.power_lm(begin_s - first_s)
+            };
+            states.push(FlashState {
+                id: pending.id,
+                position: pending.position,
+                kind: pending.request.kind,
+                polarity: pending.request.polarity,
+                begin_s: first_s,
+                end_s: last_s,
+                intensity_cd: power_lm / (4.0 * std::f64::consts::PI),
+            });
+        }
+        states
+    }
+
+    /// Numbers of the flashes that are over since the last call.
+    pub fn take_finished(&mut self, now_s: f64) -> Vec<u64> {
+        self.settle(now_s);
+        self.finished.drain(..).collect()
+    }
+
+    /// Numbers of all flashes, over or not: for when the world is replaced.
+    pub fn abandon(&mut self) -> VecDeque<u64> {
+        let rest: Vec<u64> = self.pending.drain(..).map(|pending| pending.id).collect();
+        rest.into_iter().for_each(|id| self.finish(id));
+        std::mem::take(&mut self.finished)
+    }
+
+    /// Takes over the numbers of flashes that another state of the world has had, in place of its own.
+    pub fn inherit_finished(&mut self, finished: VecDeque<u64>, now_s: f64) {
+        self.settle(now_s);
+        self.finished = finished;
+    }
+
+    fn settle(&mut self, now_s: f64) {
+        let (over, rest) = std::mem::take(&mut self.pending).into_iter().partition(|pending| pending.over(now_s));
+        self.pending = rest;
+        let over: Vec<Pending> = over;
+        over.into_iter().for_each(|pending| self.finish(pending.id));
+    }
+
+    fn finish(&mut self, id: u64) {
+        if self.finished.len() == limits::MAX_FINISHED_FLASHES {
+            self.finished.pop_front();
+        }
+        self.finished.push_back(id);
+    }
+}
+
+fn check_request(request: &StrikeRequest, now_s: f64) -> Result<(), Refused> {
+    check::within("latitude_deg", request.latitude_deg, limits::LATITUDE_DEG)?;
+    check::within("longitude_deg", request.longitude_deg, limits::LONGITUDE_DEG)?;
+    if let Some(altitude_m) = request.altitude_m {
+        check::within("altitude_m", altitude_m, limits::STRIKE_ALTITUDE_M)?;
+    }
+    if let Some(at_s) = request.at_s {
+        check::within("at_s", at_s, limits::SIMULATION_TIME_S)?;
+        if at_s < now_s {
+            return Err(Refused::new("at_s", at_s, format!("at least {now_s}, the time now"), "in the past"));
+        }
+    }
+    if let Some(peak_current_ka) = request.peak_current_ka {
+        check::within("peak_current_ka", peak_current_ka, limits::PEAK_CURRENT_KA)?;
+    }
+    let Strokes::Given(strokes) = &request.strokes else { return Ok(()) };
+    if strokes.is_empty() {
+        return Err(Refused::new("strokes", "none", "at least 1", "a flash has strokes"));
+    }
+    check::at_most("strokes", strokes.len(), limits::MAX_STROKES, "strokes")?;
+    let mut before_s = 0.0;
+    for (index, stroke) in strokes.iter().enumerate() {
+        let delay = format!("strokes[{index}].delay_s");
+        check::within(&delay, stroke.delay_s, limits::STROKE_DELAY_S)?;
+        check::within(&format!("strokes[{index}].peak_current_ka"), stroke.peak_current_ka, limits::PEAK_CURRENT_KA)?;
+        if stroke.delay_s < before_s {
+            return Err(Refused::new(delay, stroke.delay_s, format!("at least {before_s}"), "not in rising order"));
+        }
+        before_s = stroke.delay_s;
+    }
+    Ok(())
+}
