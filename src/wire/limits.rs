@@ -1,7 +1,10 @@
 //! Limits: every length, count, rate and range that comes from outside, in one file.
 //!
 //! The published schemas take their bounds from here, and the check of a message is made from the schema, so a limit is
-//! written once. A value outside is refused with the field, the value and the limit; nothing is clamped in silence.
+//! written once. A value outside is refused with the field, the value and the limit; nothing is clamped in silence. What
+//! the world itself bounds is taken from there.
+
+use crate::world::limits as world;
 
 /// A closed range of a real number.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,6 +17,10 @@ pub struct Range {
 
 impl Range {
     const fn new(min: f64, max: f64) -> Self {
+        Self { min, max }
+    }
+
+    const fn of([min, max]: [f64; 2]) -> Self {
         Self { min, max }
     }
 }
@@ -47,13 +54,15 @@ pub const JSON_DEPTH: usize = 12;
 pub const MESSAGE_VALUES: usize = 20_000;
 /// Most values in a scenario file.
 pub const SCENARIO_VALUES: usize = 400_000;
+/// Most fields in one object; no message of ours has more than a third of that.
+pub const OBJECT_FIELDS: usize = 64;
 /// Most complaints that one file or message is answered with; the rest are counted.
 pub const COMPLAINTS: usize = 100;
 
 // --- Names and texts ---
 
 /// Length in characters of the name of a view, a region or a client. A view's name fills at most 32 bytes of a frame header.
-pub const NAME_LENGTH: Whole = Whole::new(1, 32);
+pub const NAME_LENGTH: Whole = Whole::new(1, world::MAX_NAME_CHARS as u64);
 /// Characters of the name of a view or a region.
 pub const NAME_PATTERN: &str = "^[A-Za-z0-9_-]+$";
 /// Characters of the name of a scenario file without `.json`: no dot and no slash, so no way out of the folder.
@@ -70,87 +79,89 @@ pub const INSTANT_LENGTH: Whole = Whole::new(1, 64);
 // --- Ownship and places ---
 
 /// WGS84 geodetic latitude.
-pub const LATITUDE_DEG: Range = Range::new(-90.0, 90.0);
+pub const LATITUDE_DEG: Range = Range::of(world::LATITUDE_DEG);
 /// WGS84 longitude.
-pub const LONGITUDE_DEG: Range = Range::new(-180.0, 180.0);
-/// Height of the ownship above the ellipsoid: from below the Dead Sea's shore to the edge of the drawn atmosphere.
-pub const ALTITUDE_M: Range = Range::new(-500.0, 100_000.0);
+pub const LONGITUDE_DEG: Range = Range::of(world::LONGITUDE_DEG);
+/// Height of the ownship above the ellipsoid.
+pub const ALTITUDE_M: Range = Range::of(world::OWNSHIP_ALTITUDE_M);
 /// Heading, and the yaw of a view against the body.
-pub const YAW_DEG: Range = Range::new(-360.0, 360.0);
+pub const YAW_DEG: Range = Range::of(world::TURN_DEG);
 /// Nose up.
-pub const PITCH_DEG: Range = Range::new(-90.0, 90.0);
+pub const PITCH_DEG: Range = Range::of(world::PITCH_DEG);
 /// Right wing down.
-pub const ROLL_DEG: Range = Range::new(-180.0, 180.0);
-/// One component of the velocity over ground; the fastest aircraft reaches 980 m/s, a capsule on its way up some thousands.
-pub const VELOCITY_MPS: Range = Range::new(-5_000.0, 5_000.0);
+pub const ROLL_DEG: Range = Range::of(world::TURN_DEG);
+/// One component of the velocity over ground; the fastest aircraft reaches 980 m/s, a capsule some thousands.
+pub const VELOCITY_MPS: Range = Range::of(world::VELOCITY_MPS);
 
 // --- Weather ---
 
 /// Most cloud layers in one weather.
-pub const LAYERS: usize = 8;
+pub const LAYERS: usize = world::MAX_LAYERS;
 /// Most edits of single layers in one message.
-pub const LAYER_CHANGES: usize = 32;
+pub const LAYER_CHANGES: usize = world::MAX_LAYER_CHANGES;
 /// Height of a layer's base above the ellipsoid.
-pub const BASE_M: Range = Range::new(-500.0, 20_000.0);
+pub const BASE_M: Range = Range::of(world::BASE_M);
 /// Thickness of a layer: a cumulonimbus of the tropics reaches 18 km.
-pub const THICKNESS_M: Range = Range::new(10.0, 20_000.0);
+pub const THICKNESS_M: Range = Range::of(world::THICKNESS_M);
 /// Share of the sky hidden.
-pub const COVERAGE: Range = Range::new(0.0, 1.0);
+pub const COVERAGE: Range = Range::of(world::COVERAGE);
 /// The same in eighths (FEW 1-2, SCT 3-4, BKN 5-7, OVC 8).
 pub const COVERAGE_EIGHTHS: Range = Range::new(0.0, 8.0);
 /// Factor on the usual extinction of a cloud type (deck paper eq. 16, D).
-pub const DENSITY: Range = Range::new(0.01, 100.0);
+pub const DENSITY: Range = Range::of(world::DENSITY);
 /// Wind speed: the strongest jet stream measured is about 115 m/s.
-pub const WIND_SPEED_MPS: Range = Range::new(0.0, 150.0);
+pub const WIND_SPEED_MPS: Range = Range::of(world::WIND_SPEED_MPS);
 /// Direction of a wind or an outline.
-pub const DIRECTION_DEG: Range = Range::new(-360.0, 360.0);
+pub const DIRECTION_DEG: Range = Range::of(world::WIND_FROM_DEG);
 /// Meteorological visibility: from dense fog to pure air.
-pub const VISIBILITY_M: Range = Range::new(10.0, 300_000.0);
+pub const VISIBILITY_M: Range = Range::of(world::VISIBILITY_M);
 /// Seconds over which weather eases.
-pub const TRANSITION_S: Range = Range::new(0.0, 86_400.0);
+pub const TRANSITION_S: Range = Range::of(world::TRANSITION_S);
 /// Most regions with their own weather.
-pub const REGIONS: usize = 16;
+pub const REGIONS: usize = world::MAX_REGIONS;
 /// Width or length of a region.
-pub const REGION_SIZE_M: Range = Range::new(100.0, 2_000_000.0);
+pub const REGION_SIZE_M: Range = Range::of(world::REGION_SIZE_M);
 /// Corner radius of a region; besides at most half of its smaller size.
 pub const CORNER_RADIUS_M: Range = Range::new(0.0, 1_000_000.0);
 /// Width of the transition around a region.
-pub const REGION_TRANSITION_M: Range = Range::new(0.0, 200_000.0);
+pub const REGION_TRANSITION_M: Range = Range::of(world::REGION_TRANSITION_M);
 
 // --- Time ---
 
-/// Instants as seconds since 1970 (UTC): the years 1900 to 2099, for which the sun's and moon's positions hold.
-pub const UTC_S: Range = Range::new(-2_208_988_800.0, 4_102_444_799.0);
+/// Instants as seconds since 1970 (UTC): the years for which the sun's and moon's positions hold.
+pub const UTC_S: Range = Range::of(world::UTC_S);
 /// Seconds of UTC per second of simulation.
-pub const TIME_RATE: Range = Range::new(-86_400.0, 86_400.0);
-/// Simulation time: up to ten years and some days.
-pub const SIMULATION_TIME_S: Range = Range::new(0.0, 400_000_000.0);
+pub const TIME_RATE: Range = Range::of(world::TIME_RATE);
+/// Simulation time.
+pub const SIMULATION_TIME_S: Range = Range::of(world::SIMULATION_TIME_S);
 /// Seconds of simulation per second of wall clock while a scenario plays.
-pub const SPEED: Range = Range::new(0.0, 100.0);
+pub const SPEED: Range = Range::of(world::SPEED);
 
 // --- Views ---
 
 /// Most views.
-pub const VIEWS: usize = 16;
+pub const VIEWS: usize = world::MAX_VIEWS;
 /// Width or height of a picture.
-pub const SIZE_PX: Whole = Whole::new(16, 4096);
+pub const SIZE_PX: Whole = Whole::new(world::VIEW_SIZE_PX[0] as u64, world::VIEW_SIZE_PX[1] as u64);
 /// Horizontal field of view of a flat picture.
-pub const FIELD_OF_VIEW_DEG: Range = Range::new(1.0, 150.0);
+pub const FIELD_OF_VIEW_DEG: Range = Range::of(world::FIELD_OF_VIEW_DEG);
 /// Eye point against the ownship's reference point, one component.
-pub const OFFSET_M: Range = Range::new(-100.0, 100.0);
+pub const OFFSET_M: Range = Range::of(world::VIEW_OFFSET_M);
 /// Exposure value at ISO 100: starlight is about -6, sunlit snow 16.
-pub const EV100: Range = Range::new(-12.0, 24.0);
+pub const EV100: Range = Range::of(world::EV100);
 
 // --- Strikes ---
 
 /// Most flashes that wait or shine at once.
-pub const FLASHES: usize = 64;
+pub const FLASHES: usize = world::MAX_PENDING_STRIKES;
+/// Height of a flash's light above the ellipsoid.
+pub const STRIKE_ALTITUDE_M: Range = Range::of(world::STRIKE_ALTITUDE_M);
 /// Peak current of a stroke; bounds of measurements are about 2 and 300 kA, 500 kA in the tropics (CIGRE TB 549).
-pub const PEAK_CURRENT_KA: Range = Range::new(1.0, 500.0);
+pub const PEAK_CURRENT_KA: Range = Range::of(world::PEAK_CURRENT_KA);
 /// Strokes of one flash; the most seen in one flash are about 26.
-pub const STROKES: Whole = Whole::new(1, 32);
+pub const STROKES: Whole = Whole::new(1, world::MAX_STROKES as u64);
 /// Delay of a stroke after its flash began; flashes last up to about 2 s.
-pub const STROKE_DELAY_S: Range = Range::new(0.0, 5.0);
+pub const STROKE_DELAY_S: Range = Range::of(world::STROKE_DELAY_S);
 
 // --- Subscriptions, steps and the sockets ---
 
@@ -174,20 +185,20 @@ pub const CLIENTS: Whole = Whole::new(1, 1_000);
 // --- Scenarios ---
 
 /// Most entries of a scenario.
-pub const SCENARIO_ENTRIES: usize = 20_000;
-/// Duration of a scenario.
-pub const SCENARIO_DURATION_S: Range = Range::new(0.1, 604_800.0);
+pub const SCENARIO_ENTRIES: usize = world::MAX_TIMELINE_ENTRIES;
+/// Duration of a scenario; 0: it never ends.
+pub const SCENARIO_DURATION_S: Range = Range::new(0.0, world::SIMULATION_TIME_S[1]);
 
 // --- Pictures and frames on the wire ---
 
 /// Slices per cloud layer (deck paper eq. 12, N).
-pub const SLICES: Whole = Whole::new(1, 128);
+pub const SLICES: Whole = Whole::new(world::SLICES[0] as u64, world::SLICES[1] as u64);
 /// Ratio between the radii of neighbouring billboard rings.
-pub const RING_RATIO: Range = Range::new(1.01, 4.0);
+pub const RING_RATIO: Range = Range::of(world::RING_RATIO);
 /// Interval whose light a frame gathers.
 pub const SHUTTER_S: Range = Range::new(0.000_1, 1.0);
 /// Bytes of the picture in one frame message: the largest raw picture.
-pub const FRAME_PAYLOAD_BYTES: u32 = 4 * 4096 * 4096;
+pub const FRAME_PAYLOAD_BYTES: u32 = 4 * world::VIEW_SIZE_PX[1] * world::VIEW_SIZE_PX[1];
 /// Frames that wait for one client per subscription.
 pub const QUEUE_FRAMES: Whole = Whole::new(1, 16);
 /// Commands that wait for the world.

@@ -3,7 +3,7 @@
 use crate::geo::Attitude;
 
 use super::check;
-use super::command::{Exposure, ViewEdit};
+use super::command::{Exposure, ViewAction, ViewEdit};
 use super::event::Refused;
 use super::limits;
 use super::snapshot::ViewState;
@@ -26,13 +26,18 @@ pub fn default_view(name: &str) -> ViewState {
 /// Creates or changes a view in a list that stays sorted by name.
 ///
 /// # Errors
-/// [`Refused`], and nothing has changed: a value out of range, a bad name, too many views or pixels.
+/// [`Refused`], and nothing has changed: a value out of range, a bad name, one to make that is there or to change that is
+/// not, too many views or pixels.
 pub fn edit(views: &mut Vec<ViewState>, edit: &ViewEdit) -> Result<(), Refused> {
     check::name("name", &edit.name)?;
     let place = views.binary_search_by(|view| view.name.as_str().cmp(&edit.name));
-    let mut view = match place {
-        Ok(index) => views[index].clone(),
-        Err(_) => default_view(&edit.name),
+    let mut view = match (place, edit.action) {
+        (Ok(index), ViewAction::Change) => views[index].clone(),
+        (Err(_), ViewAction::Create) => default_view(&edit.name),
+        (Ok(_), ViewAction::Create) => {
+            return Err(Refused::new("name", &edit.name, "a name that is free", "there is such a view; change it"));
+        }
+        (Err(_), ViewAction::Change) => return Err(unknown(views, &edit.name)),
     };
     if let Some(size_px) = edit.size_px {
         for (index, side) in size_px.into_iter().enumerate() {
@@ -92,9 +97,35 @@ pub fn remove(views: &mut Vec<ViewState>, name: &str) -> Result<(), Refused> {
             views.remove(index);
             Ok(())
         }
-        None => {
-            let names: Vec<&str> = views.iter().map(|view| view.name.as_str()).collect();
-            Err(Refused::new("name", name, format!("one of: {}", names.join(", ")), "no such view"))
+        None => Err(unknown(views, name)),
+    }
+}
+
+fn unknown(views: &[ViewState], name: &str) -> Refused {
+    let names: Vec<&str> = views.iter().map(|view| view.name.as_str()).collect();
+    Refused::new("name", name, format!("one of: {}", names.join(", ")), "no such view")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn making_twice_and_changing_what_is_not_there_are_refused_and_change_nothing() {
+        let mut views = vec![default_view(DEFAULT_VIEW)];
+        let named = |action, name: &str| ViewEdit {
+            action,
+            name: name.into(),
+            field_of_view_deg: Some(30.0),
+            ..ViewEdit::default()
+        };
+        let before = views.clone();
+        for wrong in [named(ViewAction::Create, DEFAULT_VIEW), named(ViewAction::Change, "left")] {
+            assert_eq!(edit(&mut views, &wrong).map_err(|refused| refused.field), Err("name".to_owned()));
+            assert_eq!(views, before);
         }
+        assert_eq!(edit(&mut views, &named(ViewAction::Change, DEFAULT_VIEW)), Ok(()));
+        assert_eq!(edit(&mut views, &named(ViewAction::Create, "left")), Ok(()));
+        assert_eq!(views.iter().map(|view| view.field_of_view_deg).collect::<Vec<_>>(), [30.0, 30.0]);
     }
 }

@@ -9,7 +9,7 @@ use jiff::Timestamp;
 /// # Errors
 /// The text is no instant, or lies outside the years that the sun's and moon's positions hold for.
 pub fn parse(field: &str, text: &str) -> Result<f64, Refused> {
-    let limit = "RFC 3339 with Z or an offset, 1900 to 2099";
+    let limit = "RFC 3339 with Z or an offset, 1900 to 2100";
     let instant: Timestamp = text.parse().map_err(|error| Refused::new(field, text, limit, format!("{error}")))?;
     // Whole seconds are exact in f64, so the sum is rounded once: printing and parsing again gives the same value.
     let utc_s = instant.as_second() as f64 + f64::from(instant.subsec_nanosecond()) / 1e9;

@@ -1,16 +1,21 @@
 //! Control messages: JSON texts of the protocol `stormdeck.v1`, one file a message family.
 
+pub(in crate::wire) mod decode;
+pub(in crate::wire) mod family;
 mod instant;
 pub mod names;
 pub mod out;
 pub mod ownship;
 pub mod region;
+pub mod scenario;
 pub mod session;
 pub mod strike;
 pub mod time;
 pub mod view;
 pub mod weather;
 
+pub use decode::{decode, decode_outbound, encode, encode_inbound};
+pub use out::Outbound;
 pub use session::{Format, Role, WhenSlow};
 
 use crate::world::command::Command;
@@ -96,3 +101,6 @@ pub enum Query {
     /// Counters and rates of the server.
     Statistics,
 }
+
+#[cfg(test)]
+mod tests;

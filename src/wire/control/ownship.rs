@@ -33,6 +33,7 @@ pub struct OwnshipMessage {
     pub velocity_ned_mps: Option<[f64; 3]>,
     /// The host's own frame number, echoed in every frame that shows this message.
     #[serde(default)]
+    #[schemars(range(max = u32::MAX))]
     pub host_frame: u32,
 }
 

@@ -19,7 +19,7 @@ pub struct StrikeMessage {
     pub longitude_deg: f64,
     /// Height of the light's centre above the ellipsoid; without it in the lowest cloud layer, or 2000 m when there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = limits::ALTITUDE_M.min, max = limits::ALTITUDE_M.max))]
+    #[schemars(range(min = limits::STRIKE_ALTITUDE_M.min, max = limits::STRIKE_ALTITUDE_M.max))]
     pub altitude_m: Option<f64>,
     /// Simulation time, or `"now"`.
     #[serde(default)]

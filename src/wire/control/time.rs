@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TimeMessage {
-    /// Instant, RFC 3339 with `Z` or an offset, of the years 1900 to 2099.
+    /// Instant, RFC 3339 with `Z` or an offset, of the years 1900 to 2100.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = limits::INSTANT_LENGTH.min, max = limits::INSTANT_LENGTH.max))]
     pub utc: Option<String>,
