@@ -3,6 +3,7 @@
 //! The flow goes one way: `bytes -> Command -> World -> Snapshot -> FramePlan -> passes -> Frame -> Encoded -> bytes`.
 //! `ARCHITECTURE.md` has the map of the modules and the invariants that `tests/architecture.rs` enforces.
 
+pub mod bytes;
 pub mod cli;
 pub mod clouds;
 pub mod encode;

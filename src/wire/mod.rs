@@ -1,6 +1,7 @@
 //! The wire: bytes to commands and events to bytes, and nothing but bytes. Pure: no socket, no clock.
 
 pub mod control;
+pub mod frames;
 pub mod json;
 pub mod limits;
 pub mod scenario;
