@@ -1,6 +1,7 @@
 //! The globe in f64: WGS84, local frames, charts for cloud textures, sun and moon, land and sea.
 
 pub mod celestial;
+pub mod charts;
 pub mod frames;
 pub mod wgs84;
 

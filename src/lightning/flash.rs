@@ -225,3 +225,6 @@ fn with_continuing(delay_s: f64, peak_current_ka: f64, statistics: &Statistics, 
     let (continuing_ka, continuing_s) = if flows { (current_ka, length_s) } else { (0.0, 0.0) };
     Stroke { delay_s, peak_current_ka, continuing_ka, continuing_s }
 }
+
+#[cfg(test)]
+mod tests;

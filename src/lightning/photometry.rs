@@ -14,7 +14,7 @@ pub const OPTICAL_JOULES_PER_KA: f64 = 3.7e5 / 30.0;
 ///
 /// Luminous efficacy of a black body of 24,000 K (Orville 1968) within that band, 683 lm/W times the share that
 /// V(lambda) weighs; a test integrates it. Lines and cooling move the truth by perhaps a third.
-pub const LUMENS_PER_OPTICAL_WATT: f64 = 149.0;
+pub const LUMENS_PER_OPTICAL_WATT: f64 = 163.0;
 
 /// Rise of a stroke's light in seconds: well under a millisecond (Guo and Krider 1982: 15 microseconds to peak for
 /// first strokes at the channel; in-cloud scattering widens it).

@@ -113,3 +113,6 @@ impl Drift {
         DVec2::new(mix(old.x, new.x, weight), mix(old.y, new.y, weight))
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -105,7 +105,11 @@ impl World {
 
     /// The same without counting it or beginning anything: for an answer to somebody who asks, not for a picture.
     pub fn peek(&self, shutter_s: f64) -> Snapshot {
-        self.state.snapshot(self.snapshots, if shutter_s > 0.0 { shutter_s.min(1e6) } else { 0.0 }, self.quality)
+        let shutter_s = if shutter_s > 0.0 { shutter_s.min(limits::SIMULATION_TIME_S[1]) } else { 0.0 };
+        let mut snapshot = self.state.snapshot(self.snapshots, shutter_s, self.quality);
+        snapshot.flashes.extend(self.player.flashes_ahead(&self.state, snapshot.shutter_s));
+        snapshot.flashes.sort_by_key(|flash| flash.id);
+        snapshot
     }
 
     /// Sets what may be spent on a picture; out of range is brought to the nearest limit, what is no number changes nothing.

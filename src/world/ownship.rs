@@ -88,3 +88,6 @@ impl LastKnown {
         OwnshipState { position: there, attitude: attitude_of(&(ENU_NED * new_axes.transpose() * body)) }
     }
 }
+
+#[cfg(test)]
+mod tests;

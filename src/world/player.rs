@@ -1,8 +1,10 @@
 //! The scenario player: applies a timeline's entries as they become due, and goes back by playing again from the start.
 
 use super::check;
-use super::event::Refused;
+use super::command::Command;
+use super::event::{Applied, Refused};
 use super::limits;
+use super::snapshot::FlashState;
 use super::state::State;
 use super::timeline::Timeline;
 use std::sync::Arc;
@@ -46,6 +48,27 @@ impl Player {
             }
         }
         state.advance(to_s);
+    }
+
+    /// The flashes that the scenario strikes after `begin_s`, the time of `state`, and before `end_s`: a picture shows them
+    /// although their entries are not due when its shutter opens, or the light of their first strokes would be lost.
+    pub fn flashes_ahead(&self, state: &State, [begin_s, end_s]: [f64; 2]) -> Vec<FlashState> {
+        let entries = self.timeline.as_ref().map_or(&[][..], |timeline| &timeline.entries[self.next..]);
+        let due =
+            || entries.iter().zip(self.next as u64..).take_while(|(entry, _)| entry.at_s < end_s.min(self.end_s()));
+        if !due().any(|(entry, _)| matches!(entry.command, Command::Strike(_))) {
+            return Vec::new();
+        }
+        let mut ahead = state.clone();
+        let mut flashes = Vec::new();
+        for (entry, index) in due() {
+            ahead.advance(entry.at_s);
+            // A refusal is told when the entry becomes due.
+            if let Ok(Applied::Flash { id }) = ahead.apply(&entry.command, Some(self.first_flash_id + index)) {
+                flashes.extend(ahead.flashes(begin_s, end_s).into_iter().filter(|flash| flash.id == id));
+            }
+        }
+        flashes
     }
 
     /// Replaces `state` by the start of a (validated) scenario and plays it at speed 1.

@@ -185,3 +185,6 @@ fn check_shape(shape: &RegionShape) -> Result<(), Refused> {
     let most_m = shape.size_east_m.min(shape.size_north_m) / 2.0;
     check::within("region.corner_radius_m", shape.corner_radius_m, [0.0, most_m])
 }
+
+#[cfg(test)]
+mod tests;

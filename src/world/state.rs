@@ -9,7 +9,7 @@ use super::command::{Command, StrikeRequest, WeatherEdit};
 use super::event::{Applied, Refused};
 use super::ownship::LastKnown;
 use super::regions::{self, Region};
-use super::snapshot::{Quality, SkyState, Snapshot, ViewState};
+use super::snapshot::{FlashState, Quality, SkyState, Snapshot, ViewState};
 use super::strikes::Strikes;
 use super::views;
 use super::weather::Weather;
@@ -103,6 +103,11 @@ impl State {
     /// The number that the next flash gets.
     pub fn next_flash_id(&self) -> u64 {
         self.next_flash_id
+    }
+
+    /// The flashes of which some part lies in `[begin_s, end_s)`.
+    pub fn flashes(&self, begin_s: f64, end_s: f64) -> Vec<FlashState> {
+        self.strikes.at(begin_s, end_s)
     }
 
     /// Everything at this moment.

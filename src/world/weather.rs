@@ -174,3 +174,6 @@ fn check_layer(field: &str, spec: &LayerSpec) -> Result<(), Refused> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests;
