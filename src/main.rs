@@ -1,5 +1,5 @@
 //! The binary: hands the command line to the library and turns its answer into an exit code.
 
 fn main() -> std::process::ExitCode {
-    std::process::ExitCode::SUCCESS
+    stormdeck::cli::main()
 }

@@ -2,7 +2,7 @@
 //! scalar kinds of the members. A struct with no counterpart must say `/// No WGSL struct: why`.
 //!
 //! The Rust layout is computed from the source text by the rules of `repr(C)`, so that no struct can be forgotten; a test
-//! holds these rules against the compiler's own `offset_of!`. Members whose names begin with `_` are padding.
+//! holds these rules against the compiler's own `offset_of!`. Members whose names begin with `_` or `pad` are padding.
 
 use super::files::Source;
 use super::shaders::Module;
@@ -30,7 +30,7 @@ struct Layout {
 
 impl Layout {
     fn without_padding(&self) -> Vec<&Member> {
-        self.members.iter().filter(|m| !m.name.starts_with('_')).collect()
+        self.members.iter().filter(|m| !m.name.starts_with('_') && !m.name.starts_with("pad")).collect()
     }
 }
 
