@@ -39,10 +39,10 @@ impl Player {
             while let Some(entry) = timeline.entries.get(self.next).filter(|entry| entry.at_s <= to_s) {
                 state.advance(entry.at_s);
                 let flash_id = self.first_flash_id + self.next as u64;
-                if let Err(refused) = state.apply(&entry.command, Some(flash_id)) {
-                    if self.refusals.len() < limits::MAX_SCENARIO_REFUSALS {
-                        self.refusals.push((self.next, refused));
-                    }
+                let room = self.refusals.len() < limits::MAX_SCENARIO_REFUSALS;
+                match state.apply(&entry.command, Some(flash_id)) {
+                    Err(refused) if room => self.refusals.push((self.next, refused)),
+                    _ => (),
                 }
                 self.next += 1;
             }

@@ -372,21 +372,22 @@ fn a_new_world_says_that_the_flashes_of_the_old_are_over_and_gives_no_number_twi
 fn views_have_defaults_limits_and_a_good_bye() {
     let mut world = World::new();
     let view = |name: &str| ViewEdit { name: name.into(), ..Default::default() };
+    let a = || ViewEdit { action: ViewAction::Change, ..view("a") };
     world.apply(Command::View(view("b"))).unwrap();
     world.apply(Command::View(view("a"))).unwrap();
     let names: Vec<String> = world.peek(0.0).views.into_iter().map(|v| v.name).collect();
     assert_eq!(names, ["a", "b", "main"]);
     let before = picture(&world);
     for (bad, field) in [
-        (ViewEdit { name: "".into(), ..view("a") }, "name"),
-        (ViewEdit { size_px: Some([640, 0]), ..view("a") }, "size_px[1]"),
-        (ViewEdit { size_px: Some([8192, 8192]), ..view("a") }, "size_px"),
-        (ViewEdit { field_of_view_deg: Some(180.0), ..view("a") }, "field_of_view_deg"),
-        (ViewEdit { offset_m: Some([0.0, f64::NAN, 0.0]), ..view("a") }, "offset_m[1]"),
-        (ViewEdit { yaw_deg: Some(f64::NAN), ..view("a") }, "yaw_deg"),
-        (ViewEdit { pitch_deg: Some(91.0), ..view("a") }, "pitch_deg"),
-        (ViewEdit { roll_deg: Some(1e9), ..view("a") }, "roll_deg"),
-        (ViewEdit { exposure: Some(Exposure::Ev100(f64::NAN)), ..view("a") }, "exposure.ev100"),
+        (ViewEdit { name: "".into(), ..a() }, "name"),
+        (ViewEdit { size_px: Some([640, 0]), ..a() }, "size_px[1]"),
+        (ViewEdit { size_px: Some([8192, 8192]), ..a() }, "size_px"),
+        (ViewEdit { field_of_view_deg: Some(180.0), ..a() }, "field_of_view_deg"),
+        (ViewEdit { offset_m: Some([0.0, f64::NAN, 0.0]), ..a() }, "offset_m[1]"),
+        (ViewEdit { yaw_deg: Some(f64::NAN), ..a() }, "yaw_deg"),
+        (ViewEdit { pitch_deg: Some(91.0), ..a() }, "pitch_deg"),
+        (ViewEdit { roll_deg: Some(1e9), ..a() }, "roll_deg"),
+        (ViewEdit { exposure: Some(Exposure::Ev100(f64::NAN)), ..a() }, "exposure.ev100"),
     ] {
         assert_eq!(world.apply(Command::View(bad)).unwrap_err().field, field);
     }

@@ -89,7 +89,7 @@ fn weights_add_up_with_at_most_three_and_true_scale() {
     }
     assert_eq!(most, MOST_AT_ONCE);
     assert!(low > 0.97 && high < 1.03, "scale from {low} to {high}");
-    assert!(low >= CENTRE_SCALE && low < CENTRE_SCALE + 1e-3, "a centre was sampled: {low}");
+    assert!((CENTRE_SCALE..CENTRE_SCALE + 1e-3).contains(&low), "a centre was sampled: {low}");
 }
 
 #[test]

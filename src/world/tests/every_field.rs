@@ -168,8 +168,14 @@ fn view_fields() {
         ("removed", Command::RemoveView { name: "main".into() }),
     ];
     all_differ(&with(&|_| ()), variants, &[]);
+    let wide = |action| {
+        Command::View(ViewEdit { action, name: "main".into(), field_of_view_deg: Some(80.0), ..Default::default() })
+    };
+    let mut world = World::new();
+    assert!(world.apply(wide(ViewAction::Create)).is_err() && world.apply(wide(ViewAction::Change)).is_ok(), "action");
     let set = with(&|v| (v.yaw_deg, v.exposure) = (Some(30.0), Some(Exposure::Ev100(12.0))));
-    let kept = pictures(&[set, with(&|_| ())]).remove(0).views.remove(1);
+    let change = with(&|v| v.action = ViewAction::Change);
+    let kept = pictures(&[set, change]).remove(0).views.remove(1);
     assert_eq!(
         (kept.attitude.yaw_rad, kept.exposure),
         (30.0_f64.to_radians(), Exposure::Ev100(12.0)),

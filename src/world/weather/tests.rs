@@ -4,7 +4,7 @@ use super::*;
 use crate::clouds::CloudKind;
 use glam::DVec3;
 
-const HERE: Geodetic = Geodetic { latitude_rad: 0.8, longitude_rad: 3.141_592, altitude_m: 0.0 };
+const HERE: Geodetic = Geodetic { latitude_rad: 0.8, longitude_rad: 3.1, altitude_m: 0.0 };
 
 fn spec(kind: CloudKind, base_m: f64, thickness_m: f64, coverage: f64) -> LayerSpec {
     LayerSpec { kind, base_m, thickness_m, coverage, density: 1.0, wind_speed_mps: 15.0, wind_from_deg: 200.0 }
