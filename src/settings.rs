@@ -1,1 +1,298 @@
 //! Settings: the configuration file checked as a whole, all complaints at once.
+
+use crate::wire::json::{self, Complaint, Node, Problem, Rule, Size};
+use crate::wire::{limits, scenario, schema};
+use crate::world::event::Refused;
+use crate::world::snapshot::Quality;
+use crate::world::timeline::Timeline;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+use std::io::Read;
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+/// The text of `config/default.json`: what holds where nothing is said, on any machine.
+pub const DEFAULT_TEXT: &str = include_str!("../config/default.json");
+
+/// The scenarios inside the binary by name: those of `config/scenarios`.
+pub const BUILT_IN_SCENARIOS: &[(&str, &str)] = &[
+    ("broken-noon-cumulus", include_str!("../config/scenarios/broken-noon-cumulus.json")),
+    ("clear-day", include_str!("../config/scenarios/clear-day.json")),
+    ("night-storm", include_str!("../config/scenarios/night-storm.json")),
+    ("overcast-night-cities", include_str!("../config/scenarios/overcast-night-cities.json")),
+    ("scattered-sunset", include_str!("../config/scenarios/scattered-sunset.json")),
+];
+
+/// What the server is told before it starts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Address and port to listen on; beyond this machine only with a token.
+    pub listen: SocketAddr,
+    /// What every client has to show.
+    pub token: Option<String>,
+    /// Origins of web pages from elsewhere that may connect, as `https://example.org:8443`.
+    pub allowed_origins: Vec<String>,
+    /// Whether a client may take the host role from another.
+    pub allow_take_over: bool,
+    /// Most WebSocket clients at once.
+    pub max_clients: u32,
+    /// What draws.
+    pub executor: ExecutorChoice,
+    /// Frames a second while running free, at most 60.
+    pub frame_rate_hz: f64,
+    /// Slices per cloud layer, 1 to 128.
+    pub slices: u32,
+    /// Ratio between the radii of neighbouring billboard rings, above 1.
+    pub ring_ratio: f64,
+    /// Quality of JPEGs where nobody asks for another, 1 to 100.
+    pub jpeg_quality: u8,
+    /// Scenario to start with; `None`: a clear day at rest.
+    pub scenario: Option<String>,
+    /// Folder of the scenarios that may be loaded by name, besides those inside the binary.
+    pub scenario_folder: PathBuf,
+    /// Frames that wait for one client per subscription.
+    pub queue_frames: u32,
+    /// Commands that wait for the world.
+    pub queue_commands: u32,
+    /// Seconds after which a client that takes no bytes is cut off.
+    pub slow_client_s: f64,
+    /// What is logged, as `tracing` filters say it: `info`, `stormdeck=debug`.
+    pub log: String,
+}
+
+/// What draws.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ExecutorChoice {
+    /// The GPU where an adapter is there, else the reference.
+    #[default]
+    Auto,
+    /// The GPU, or nothing.
+    Gpu,
+    /// The processor.
+    Reference,
+}
+
+/// The file. A field that is not given has the value of `config/default.json`.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "Settings of stormdeck")]
+struct SettingsFile {
+    /// Address and port to listen on; beyond this machine (not 127.0.0.1 or ::1) only with a token.
+    #[schemars(length(min = limits::SETTINGS_TEXT_LENGTH.min, max = limits::SETTINGS_TEXT_LENGTH.max))]
+    listen: String,
+    /// What every client has to show.
+    #[schemars(length(min = limits::TOKEN_LENGTH.min, max = limits::TOKEN_LENGTH.max))]
+    token: Option<String>,
+    /// Origins of web pages from elsewhere that may connect, as `https://example.org:8443`.
+    #[schemars(length(max = limits::SETTINGS_LIST), inner(length(min = limits::SETTINGS_TEXT_LENGTH.min, max = limits::SETTINGS_TEXT_LENGTH.max)))]
+    allowed_origins: Vec<String>,
+    /// Whether a client may take the host role from another.
+    allow_take_over: bool,
+    /// Most WebSocket clients at once.
+    #[schemars(range(min = limits::CLIENTS.min, max = limits::CLIENTS.max))]
+    max_clients: u32,
+    /// What draws.
+    executor: ExecutorChoice,
+    /// Frames a second while running free.
+    #[schemars(range(min = limits::SERVER_RATE_HZ.min, max = limits::SERVER_RATE_HZ.max))]
+    frame_rate_hz: f64,
+    /// Slices per cloud layer.
+    #[schemars(range(min = limits::SLICES.min, max = limits::SLICES.max))]
+    slices: u32,
+    /// Ratio between the radii of neighbouring billboard rings.
+    #[schemars(range(min = limits::RING_RATIO.min, max = limits::RING_RATIO.max))]
+    ring_ratio: f64,
+    /// Quality of JPEGs where nobody asks for another.
+    #[schemars(range(min = limits::JPEG_QUALITY.min, max = limits::JPEG_QUALITY.max))]
+    jpeg_quality: u8,
+    /// Scenario to start with: a file of the folder or one inside the binary, without `.json`.
+    #[schemars(length(min = limits::SCENARIO_NAME_LENGTH.min, max = limits::SCENARIO_NAME_LENGTH.max), regex(pattern = limits::SCENARIO_NAME_PATTERN))]
+    scenario: Option<String>,
+    /// Folder of the scenarios that may be loaded by name, besides those inside the binary.
+    #[schemars(length(min = limits::SETTINGS_TEXT_LENGTH.min, max = limits::SETTINGS_TEXT_LENGTH.max))]
+    scenario_folder: String,
+    /// Frames that wait for one client per subscription.
+    #[schemars(range(min = limits::QUEUE_FRAMES.min, max = limits::QUEUE_FRAMES.max))]
+    queue_frames: u32,
+    /// Commands that wait for the world.
+    #[schemars(range(min = limits::QUEUE_COMMANDS.min, max = limits::QUEUE_COMMANDS.max))]
+    queue_commands: u32,
+    /// Seconds after which a client that takes no bytes is cut off.
+    #[schemars(range(min = limits::SLOW_CLIENT_S.min, max = limits::SLOW_CLIENT_S.max))]
+    slow_client_s: f64,
+    /// What is logged, as `tracing` filters say it: `info`, `stormdeck=debug`.
+    #[schemars(length(min = limits::SETTINGS_TEXT_LENGTH.min, max = limits::SETTINGS_TEXT_LENGTH.max))]
+    log: String,
+}
+
+impl Default for Settings {
+    /// The settings of `config/default.json`.
+    fn default() -> Self {
+        // The text is part of the program, and a test reads it.
+        Self::parse(DEFAULT_TEXT).unwrap_or_else(|complaints| panic!("config/default.json: {complaints:?}"))
+    }
+}
+
+impl Settings {
+    /// Reads a settings file.
+    ///
+    /// # Errors
+    /// Everything that is wrong with it, in the order of the file.
+    pub fn parse(text: &str) -> Result<Self, Vec<Complaint>> {
+        let size = Size { bytes: limits::SETTINGS_BYTES, values: limits::MESSAGE_VALUES };
+        let parsed = json::parse(text, size).map_err(|problem| vec![problem.in_text(text)])?;
+        let mut problems = parsed.problems;
+        problems.extend(rule().check(&parsed.root));
+        // Fields that the check found wrong take their defaults, so that the others can be judged together.
+        let file = overlaid(&parsed.root, &problems);
+        let settings = file.and_then(|file| {
+            Self::from_file(file, &mut |refused| {
+                // A field that is wrong in itself stood in with its default: nothing follows from that.
+                if problems.iter().all(|problem| problem.refused.field != refused.field) {
+                    problems.push(Problem { offset: parsed.root.nearest(&refused.field).offset, refused });
+                }
+            })
+        });
+        match settings {
+            Some(settings) if problems.is_empty() => Ok(settings),
+            _ => {
+                problems.sort_by_key(|problem| problem.offset);
+                Err(problems.into_iter().map(|problem| problem.in_text(text)).collect())
+            }
+        }
+    }
+
+    /// What may be spent on a picture.
+    pub fn quality(&self) -> Quality {
+        Quality { slices: self.slices, ring_ratio: self.ring_ratio }
+    }
+
+    /// What contradicts the rules between fields; also to be asked after flags have changed some.
+    pub fn contradictions(&self) -> Vec<Refused> {
+        let mut found = Vec::new();
+        if !self.listen.ip().is_loopback() && self.token.is_none() {
+            let (limit, why) =
+                ("a token of at least 8 characters", "beyond this machine a token has to guard the server");
+            found.push(Refused::new("token", "not given", limit, why));
+        }
+        found
+    }
+
+    /// The scenario of this name: a file of the folder, or one inside the binary where the folder has none.
+    ///
+    /// # Errors
+    /// There is none, it cannot be read, or something is wrong with it.
+    pub fn timeline(&self, name: &str) -> Result<Timeline, Refused> {
+        let limit = "a scenario of the folder or of the program";
+        let refused = |why: String| Refused::new("name", name, limit, why);
+        if name.is_empty() || !name.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'-') {
+            return Err(refused("a name has small letters, digits and - alone".into()));
+        }
+        let path = self.scenario_folder.join(format!("{name}.json"));
+        let mut text = String::new();
+        match std::fs::File::open(&path) {
+            Ok(file) => {
+                // One byte more than allowed tells a file that is too long, however long it is.
+                let most = limits::SCENARIO_BYTES as u64 + 1;
+                file.take(most)
+                    .read_to_string(&mut text)
+                    .map_err(|error| refused(format!("{} cannot be read: {error}", path.display())))?;
+            }
+            Err(error) => match BUILT_IN_SCENARIOS.iter().find(|(known, _)| *known == name) {
+                Some((_, built_in)) => text.push_str(built_in),
+                None => return Err(refused(format!("{} cannot be opened: {error}", path.display()))),
+            },
+        }
+        scenario::parse(&text).map_err(|complaints| {
+            let first = complaints.first().map(ToString::to_string).unwrap_or_default();
+            refused(format!("{} complaints (stormdeck check lists all), the first: {first}", complaints.len()))
+        })
+    }
+
+    fn from_file(file: SettingsFile, complain: &mut dyn FnMut(Refused)) -> Option<Self> {
+        for (index, origin) in file.allowed_origins.iter().enumerate() {
+            let rest = origin.strip_prefix("https://").or_else(|| origin.strip_prefix("http://"));
+            if rest.is_none_or(|host| host.is_empty() || host.contains(['/', '*', ' '])) {
+                let why = "not the origin of a page: scheme, host and port, without a path";
+                complain(Refused::new(format!("allowed_origins[{index}]"), origin, "as https://example.org:8443", why));
+            }
+        }
+        let listen = match file.listen.parse() {
+            Ok(listen) => listen,
+            Err(_) => {
+                let why = "not an address with a port";
+                complain(Refused::new("listen", &file.listen, "as 127.0.0.1:8765 or [::1]:8765", why));
+                return None;
+            }
+        };
+        let settings = Self {
+            listen,
+            token: file.token,
+            allowed_origins: file.allowed_origins,
+            allow_take_over: file.allow_take_over,
+            max_clients: file.max_clients,
+            executor: file.executor,
+            frame_rate_hz: file.frame_rate_hz,
+            slices: file.slices,
+            ring_ratio: file.ring_ratio,
+            jpeg_quality: file.jpeg_quality,
+            scenario: file.scenario,
+            scenario_folder: file.scenario_folder.into(),
+            queue_frames: file.queue_frames,
+            queue_commands: file.queue_commands,
+            slow_client_s: file.slow_client_s,
+            log: file.log,
+        };
+        settings.contradictions().into_iter().for_each(complain);
+        Some(settings)
+    }
+}
+
+/// The schema of the settings file: no field is required, each has its default.
+pub fn file_schema() -> Value {
+    let mut schema = schema::of::<SettingsFile>();
+    let defaults = defaults();
+    if let Some(map) = schema.as_object_mut() {
+        map.remove("required");
+        if let Some(properties) = map.get_mut("properties").and_then(Value::as_object_mut) {
+            for (name, property) in properties {
+                if let (Some(property), Some(default)) = (property.as_object_mut(), defaults.get(name)) {
+                    property.insert("default".into(), default.clone());
+                }
+            }
+        }
+    }
+    schema
+}
+
+fn rule() -> Rule {
+    schema::rule(&file_schema())
+}
+
+fn defaults() -> Map<String, Value> {
+    match serde_json::from_str(DEFAULT_TEXT) {
+        Ok(Value::Object(fields)) => fields,
+        // A test reads the text; without it the defaults would be missed at once.
+        _ => Map::new(),
+    }
+}
+
+/// The defaults with those fields of the file over them that no problem is known of.
+fn overlaid(root: &Node, problems: &[Problem]) -> Option<SettingsFile> {
+    let Value::Object(given) = root.to_value() else { return None };
+    let is_wrong =
+        |name: &str| problems.iter().any(|problem| problem.refused.field.split(['.', '[']).next() == Some(name));
+    let mut fields = defaults();
+    for (name, value) in given {
+        // A null says "not given" only where the default is null; the check has refused the others.
+        if fields.contains_key(&name) && !is_wrong(&name) {
+            fields.insert(name, value);
+        }
+    }
+    serde_json::from_value(Value::Object(fields)).ok()
+}
+
+#[cfg(test)]
+mod tests;

@@ -167,6 +167,10 @@ pub const STROKE_DELAY_S: Range = Range::of(world::STROKE_DELAY_S);
 
 /// Most frames a second of one view; the server's own rate has the same limit.
 pub const FRAME_RATE_HZ: Range = Range::new(0.01, 60.0);
+/// Frames a second that the server may be told to aim at while running free.
+pub const SERVER_RATE_HZ: Range = Range::new(0.1, FRAME_RATE_HZ.max);
+/// Seconds after which a client that takes no bytes is cut off.
+pub const SLOW_CLIENT_S: Range = Range::new(0.1, 600.0);
 /// Quality of a JPEG.
 pub const JPEG_QUALITY: Whole = Whole::new(1, 100);
 /// Most subscriptions of one client.
