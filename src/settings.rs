@@ -41,6 +41,8 @@ pub struct Settings {
     pub executor: ExecutorChoice,
     /// Frames a second while running free, at most 60.
     pub frame_rate_hz: f64,
+    /// Interval whose light a frame gathers while running free; `None`: until the next frame.
+    pub shutter_s: Option<f64>,
     /// Slices per cloud layer, 1 to 128.
     pub slices: u32,
     /// Ratio between the radii of neighbouring billboard rings, above 1.
@@ -98,6 +100,9 @@ struct SettingsFile {
     /// Frames a second while running free.
     #[schemars(range(min = limits::SERVER_RATE_HZ.min, max = limits::SERVER_RATE_HZ.max))]
     frame_rate_hz: f64,
+    /// Interval whose light a frame gathers while running free; without it until the next frame.
+    #[schemars(range(min = limits::SHUTTER_S.min, max = limits::SHUTTER_S.max))]
+    shutter_s: Option<f64>,
     /// Slices per cloud layer.
     #[schemars(range(min = limits::SLICES.min, max = limits::SLICES.max))]
     slices: u32,
@@ -235,6 +240,7 @@ impl Settings {
             max_clients: file.max_clients,
             executor: file.executor,
             frame_rate_hz: file.frame_rate_hz,
+            shutter_s: file.shutter_s,
             slices: file.slices,
             ring_ratio: file.ring_ratio,
             jpeg_quality: file.jpeg_quality,

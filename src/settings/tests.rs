@@ -26,7 +26,7 @@ fn the_defaults_are_the_file_and_nothing_given_means_the_defaults() {
 fn each_field_reaches_the_settings() {
     let other = serde_json::json!({
         "listen": "[::1]:9000", "token": "correct-horse", "allowed_origins": ["https://example.org:8443"],
-        "allow_take_over": true, "max_clients": 3, "executor": "reference", "frame_rate_hz": 59.5, "slices": 7,
+        "allow_take_over": true, "max_clients": 3, "executor": "reference", "frame_rate_hz": 59.5, "shutter_s": 0.01, "slices": 7,
         "ring_ratio": 1.5, "jpeg_quality": 1, "scenario": null, "scenario_folder": "elsewhere", "queue_frames": 5,
         "queue_commands": 99, "slow_client_s": 2.5, "log": "stormdeck=debug"
     });
@@ -77,7 +77,7 @@ fn both_ends_of_every_range_hold() {
         }
         tried += 1;
     }
-    assert_eq!(tried, 8, "fields with a range");
+    assert_eq!(tried, 9, "fields with a range");
 }
 
 #[test]
