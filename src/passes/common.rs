@@ -101,6 +101,10 @@ pub struct Chart {
 }
 
 impl Chart {
+    /// A place in the array that no look-up reads.
+    pub const UNUSED: Self =
+        Self { tile_origin_m: [0.0; 2], map_origin: [0.0; 2], a: [1.0, 0.0], c: [0.0; 2], w: [0.0; 3], zone: 1.0 };
+
     /// Displacement from the eye's ground point in the chart, metres, of a point with stereographic coordinate `z` (m).
     pub fn displacement(&self, z: Vec2) -> Vec2 {
         let one_minus = Vec2::new(1.0, 0.0) - complex_mul(Vec2::from(self.c), z);

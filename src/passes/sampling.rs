@@ -1,9 +1,12 @@
 //! Texture look-ups of the twins: the arithmetic of a sampler with linear filtering, in f32.
 
 /// Splits a texel coordinate (centres at integers) into the lower texel and the share of the upper one.
+#[inline]
 fn split(at: f32) -> (i32, f32) {
-    let low = at.floor();
-    (low as i32, at - low)
+    // The same as `floor`, which without SSE4.1 is a call.
+    let whole = at as i32;
+    let low = whole - i32::from((whole as f32) > at);
+    (low, at - low as f32)
 }
 
 /// Bilinear look-up in a `width * width` map of bytes that repeats; `u`, `v` in periods. Answers 0 to 1.
@@ -30,6 +33,11 @@ pub fn volume_rgba(data: &[[u8; 4]], width: usize, height: usize, p: [f32; 3]) -
     let corners = Corners::new(width, height, false, p);
     let texel = corners.index.map(|i| data[i]);
     std::array::from_fn(|channel| corners.weigh(|k| f32::from(texel[k][channel])) * (1.0 / 255.0))
+}
+
+/// The fourth of the values of [`volume_rgba`].
+pub fn volume_alpha(data: &[[u8; 4]], width: usize, height: usize, p: [f32; 3]) -> f32 {
+    Corners::new(width, height, false, p).blend(|i| f32::from(data[i][3])) * (1.0 / 255.0)
 }
 
 struct Corners {

@@ -1,16 +1,55 @@
 //! The plan: what one frame needs, as a value. Pure, no I/O, cannot fail.
+//!
+//! `plan` reads a snapshot and one of its views and writes down every number that the passes read, already relative to
+//! the eye and narrowed to f32, and for each pass whether it is there and why. Two equal plans give the same picture.
 
 pub mod executor;
+mod eye;
+mod illuminance;
+mod layers;
+mod regions;
 
+use crate::clouds::CloudKind;
+use crate::passes::common::Camera;
+use crate::passes::deck::Layer;
+use crate::passes::ground::Ground;
+use crate::passes::light::Light;
+use crate::passes::sky::Sky;
+use crate::passes::sky::table::TableParams;
 use crate::world::snapshot::{Snapshot, ViewState};
 
-/// What one frame of one view needs: the passes in order with their parameters, and why each is there or not.
+/// What one frame of one view needs: the passes' parameters, and why each pass is there or not.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FramePlan {
     /// Width and height in pixels.
     pub size_px: [u32; 2],
+    /// Form of the picture.
+    pub output: Output,
+    /// Eye and air.
+    pub camera: Camera,
+    /// Sky, sun and moon.
+    pub sky: Sky,
+    /// What the table of scattered light is made from.
+    pub table: TableParams,
+    /// The ground, unless it is out of sight.
+    pub ground: Option<Ground>,
+    /// Cloud layers in sight, lowest base first.
+    pub layers: Vec<LayerPlan>,
     /// One line a pass: kept or left out, and why.
     pub notes: Vec<PassNote>,
+}
+
+/// One cloud layer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LayerPlan {
+    /// Which density volume.
+    pub kind: CloudKind,
+    /// Slices (eq. 12, N).
+    pub slices: u32,
+    /// Parameters of the deck pass.
+    pub layer: Layer,
+    /// Parameters of the light pass, one for each chart in use; an executor keeps the volumes it has made by these.
+    pub light: Vec<Light>,
 }
 
 /// One line of the explanation of a plan.
@@ -35,6 +74,25 @@ pub enum Output {
 
 /// The plan of one view of a snapshot.
 pub fn plan(snapshot: &Snapshot, view: &ViewState, output: Output) -> FramePlan {
-    let _ = (snapshot, output);
-    FramePlan { size_px: view.size_px, notes: Vec::new() }
+    let eye = eye::Eye::new(&snapshot.ownship, view);
+    let mut notes = Vec::new();
+    let regions = regions::near(snapshot, &eye, &mut notes);
+    let light = illuminance::Illuminance::new(snapshot, &eye, view);
+    let flashes = layers::flashes(snapshot, &eye, &mut notes);
+    let layers = layers::in_sight(snapshot, &eye, &light, &regions, &flashes, &mut notes);
+    let ground = light.ground(&eye, &flashes, &mut notes);
+    notes.push(PassNote { pass: "sky", kept: true, why: "the sky is behind everything".into() });
+    let tonemap = output == Output::Srgb8;
+    let why = if tonemap { "the picture is for a screen" } else { "linear luminance was asked for" };
+    notes.push(PassNote { pass: "tonemap", kept: tonemap, why: why.into() });
+    FramePlan {
+        size_px: view.size_px,
+        output,
+        camera: light.camera(&eye, view),
+        sky: light.sky(&eye),
+        table: light.table,
+        ground,
+        layers,
+        notes,
+    }
 }

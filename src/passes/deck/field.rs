@@ -2,9 +2,9 @@
 
 use super::{DETAIL_FADE_M, FLASH_CAP_M, Layer, Region};
 use crate::clouds::{density, detail, modulation};
-use crate::passes::common::{chart_weights, smoothstep, stereographic};
+use crate::passes::common::{CHARTS, chart_weights, smoothstep, stereographic};
 use crate::passes::light::DIFFUSE_RANGE;
-use crate::passes::sampling::{map_repeat, volume_byte, volume_rgba};
+use crate::passes::sampling::{map_repeat, volume_alpha, volume_byte, volume_rgba};
 use glam::{Vec2, Vec3};
 
 /// What a layer's look-ups read.
@@ -20,64 +20,85 @@ pub struct Textures<'a> {
     pub detail: &'a [u8],
 }
 
-/// Extinction (share of whole, 0 to 1) and light shares at a point of a layer.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// How far a point of a layer is inside its cloud, and where its light is to be looked up.
+#[derive(Clone, Copy, Debug)]
 pub struct Sample {
-    /// Share of the layer's extinction.
-    pub whole: f32,
+    /// Shape value less theta: cloud where positive, whole from the genus's edge on. Where there is certainly none, an
+    /// upper bound.
+    pub margin: f32,
+    /// Places in the light volumes, one a chart, and their weights.
+    at: [([f32; 3], f32); CHARTS],
+}
+
+impl Sample {
+    const fn outside(margin: f32) -> Self {
+        Self { margin, at: [([0.0; 3], 0.0); CHARTS] }
+    }
+
     /// Directional, diffuse and sky light as stored (square roots).
-    pub light: Vec3,
+    pub fn light(&self, textures: &Textures) -> Vec3 {
+        let mut light = Vec3::ZERO;
+        for (volume, (at, weight)) in textures.volumes.iter().zip(&self.at) {
+            if *weight > 0.0 {
+                let [r, g, b, _] = volume_rgba(volume, density::WIDTH, density::HEIGHT, *at);
+                light += *weight * Vec3::new(r, g, b);
+            }
+        }
+        light
+    }
 }
 
 /// Looks a layer up at `p` (east, north, height over the tangent plane), at height `height_m` over the sphere and range
-/// `t_m` from the eye; `None` where there is certainly no cloud.
-pub fn sample(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_m: f32, t_m: f32) -> Option<Sample> {
+/// `t_m` from the eye.
+pub fn sample(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_m: f32, t_m: f32) -> Sample {
     let radius = earth_m + height_m;
     let z = stereographic(p, earth_m, radius);
     let shift = region_shift(layer, z);
     if shift >= 1.0 {
-        return None;
+        return Sample::outside(-1.0);
     }
     let share = (height_m - layer.base_m) / layer.thickness_m;
     let weights = chart_weights(&layer.chart, layer.charts, p + Vec3::new(0.0, 0.0, earth_m), radius);
-    let (mut margin, mut light, mut any) = (0.0, Vec3::ZERO, false);
+    // With one chart the column's bound tells most empty places before anything else is read.
+    let bounded = layer.charts == 1;
+    let mut found = Sample::outside(0.0);
     for (i, weight) in weights.iter().enumerate().take(layer.charts as usize) {
         if *weight <= 0.0 {
             continue;
         }
         let chart = &layer.chart[i];
         let moved = chart.displacement(z);
-        let map = Vec2::from(chart.map_origin) + modulation::coordinates(moved);
-        let theta = layer.theta + layer.patchiness * map_repeat(textures.map, modulation::WIDTH, map.x, map.y) + shift;
-        let tile = (Vec2::from(chart.tile_origin_m) + moved) / density::TILE_M;
-        let slack = if layer.detail > 0.0 { 0.5 * layer.detail } else { 0.0 };
-        if layer.charts == 1 && bound(textures.bounds, tile) + slack <= theta {
-            return None;
+        let tile = (Vec2::from(chart.tile_origin_m) + moved) * (1.0 / density::TILE_M);
+        let most = bound(textures.bounds, tile) + 0.5 * layer.detail - layer.theta - shift;
+        if bounded && most < 0.0 {
+            return Sample::outside(most);
         }
-        any = true;
-        let [r, g, b, a] = volume_rgba(textures.volumes[i], density::WIDTH, density::HEIGHT, [tile.x, tile.y, share]);
-        margin += weight * (a - theta);
-        light += *weight * Vec3::new(r, g, b);
+        let map = Vec2::from(chart.map_origin) + modulation::coordinates(moved);
+        let above = layer.patchiness * map_repeat(textures.map, modulation::WIDTH, map.x, map.y);
+        if bounded && most < above {
+            return Sample::outside(most - above);
+        }
+        let at = [tile.x, tile.y, share];
+        let value = volume_alpha(textures.volumes[i], density::WIDTH, density::HEIGHT, at);
+        found.margin += weight * (value - layer.theta - above - shift);
+        found.at[i] = (at, *weight);
     }
-    if !any {
-        return None;
-    }
-    if t_m < DETAIL_FADE_M[1] && margin.abs() < 1.0 {
+    if t_m < DETAIL_FADE_M[1] && found.margin.abs() < 0.5 * layer.detail + 1.0 / layer.inverse_edge {
         let fade = 1.0 - smoothstep(DETAIL_FADE_M[0], DETAIL_FADE_M[1], t_m);
         let q = [
             layer.detail_origin[0] + z.x / detail::TILE_M,
             layer.detail_origin[1] + z.y / detail::TILE_M,
             height_m / detail::TILE_M,
         ];
-        margin += layer.detail * fade * (volume_byte(textures.detail, detail::WIDTH, detail::WIDTH, true, q) - 0.5);
+        let noise = volume_byte(textures.detail, detail::WIDTH, detail::WIDTH, true, q) - 0.5;
+        found.margin += layer.detail * fade * noise;
     }
-    let whole = (margin * layer.inverse_edge).clamp(0.0, 1.0);
-    (whole > 0.0).then_some(Sample { whole, light })
+    found
 }
 
 /// Luminance that a point of cloud sends towards the eye where it is opaque, cd/m2 per colour (the source function).
-pub fn source(layer: &Layer, sample: &Sample, phase: f32, p: Vec3, height_m: f32) -> Vec3 {
-    let shares = sample.light * sample.light;
+pub fn source(layer: &Layer, light: Vec3, phase: f32, p: Vec3, height_m: f32) -> Vec3 {
+    let shares = light * light;
     let per_steradian = DIFFUSE_RANGE * 0.079_577_47;
     let below = (1.0 - (height_m - layer.base_m) / layer.thickness_m).clamp(0.0, 1.0);
     let mut light = Vec3::from(layer.light_lux) * (phase * shares.x + per_steradian * shares.y)

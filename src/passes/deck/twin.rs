@@ -1,7 +1,7 @@
 //! Twin of `deck.wgsl`: walks the crossings of a ray with slices and rings from near to far.
 
 use super::Layer;
-use super::field::{Textures, phase, sample, source};
+use super::field::{Sample, Textures, phase, sample, source};
 use crate::clouds::slices::heights;
 use crate::passes::common::{Camera, smoothstep};
 use glam::Vec3;
@@ -93,94 +93,124 @@ impl Ray<'_> {
         self.merge(prepared, down, from, to, gathered);
     }
 
-    /// Crossings with slices and rings between two ranges, in order.
+    /// Slabs between slices and between rings, from one range to another, in the order of their far ends.
     fn merge(&self, prepared: &Prepared, down: bool, from: f32, to: f32, gathered: &mut Gathered) {
         let layer = prepared.layer;
-        let (up, eye) = (self.direction.z, self.camera.eye_m);
         let count = prepared.slices.len();
+        let slack = 1e-4 * to;
         let slice_t = |i: usize| {
-            let height = prepared.slices[if down { count - 1 - i } else { i }];
-            if down && height > eye {
-                return -1.0;
+            if i >= count {
+                return f32::INFINITY;
             }
-            let (falling, rising) = self.camera.crossings(up, height);
-            if down { falling } else { rising }
+            let (falling, rising) =
+                self.camera.crossings(self.direction.z, prepared.slices[if down { count - 1 - i } else { i }]);
+            let t = if down { falling } else { rising };
+            if t >= from - slack && t <= to + slack { t } else { f32::INFINITY }
         };
-        let ring_radius = |k: i32| layer.ring_first_m * ring_ratio(layer).powi(k);
+        // The first slice whose crossing lies on this leg.
+        let mut i = (0..count).find(|i| slice_t(*i).is_finite()).unwrap_or(count);
+        let ratio = ring_ratio(layer);
         let ring_t = |k: i32| {
-            let radius = ring_radius(k);
+            let radius = layer.ring_first_m * ratio.powi(k);
             if radius > layer.ring_last_m * 1.0001 { f32::INFINITY } else { radius / self.flat.max(1e-4) }
         };
-        let mut i = 0;
-        let mut k =
-            ((from * self.flat / layer.ring_first_m).max(1e-6).ln() / ring_ratio(layer).ln()).ceil().max(0.0) as i32;
-        let slack = 1e-4 * to;
-        let mut next_slice = slice_t(0);
-        let mut next_ring = ring_t(k);
+        let mut k = ((from * self.flat / layer.ring_first_m).max(1e-6).ln() / ratio.ln()).ceil().max(0.0) as i32;
+        let mut slabs = End { t: from, margin: None };
+        let mut rings = End { t: from, margin: None };
         loop {
-            while i < count && !(next_slice > 0.0 && next_slice.is_finite() && next_slice >= from - slack) {
-                i += 1;
-                next_slice = if i < count { slice_t(i) } else { f32::INFINITY };
-            }
-            if i >= count {
-                next_slice = f32::INFINITY;
+            let (next_slice, next_ring) = (slice_t(i), ring_t(k));
+            // What is left beyond the last ring belongs to the slabs.
+            let next_ring = if next_ring < to { next_ring } else { f32::INFINITY };
+            if next_slice.is_infinite() && next_ring.is_infinite() {
+                break;
             }
             if next_slice <= next_ring {
-                if next_slice > to + slack {
-                    return;
-                }
-                let height = prepared.slices[if down { count - 1 - i } else { i }];
-                self.slice(prepared, height, next_slice, gathered);
+                self.segment(prepared, &mut slabs, next_slice, false, gathered);
                 i += 1;
-                next_slice = if i < count { slice_t(i) } else { f32::INFINITY };
             } else {
-                if next_ring > to {
-                    return;
-                }
-                self.ring(prepared, next_ring, gathered);
+                self.segment(prepared, &mut rings, next_ring, true, gathered);
                 k += 1;
-                next_ring = ring_t(k);
             }
             if gathered.transmittance < OPAQUE {
                 return;
             }
         }
+        if self.end_m <= to || rings.t > slabs.t {
+            self.segment(prepared, &mut rings, to, true, gathered);
+        }
     }
 
-    fn slice(&self, prepared: &Prepared, height: f32, t: f32, gathered: &mut Gathered) {
+    /// The piece of the ray from the end of the piece before to `t`, as far as slabs or rings carry it there.
+    fn segment(&self, prepared: &Prepared, before: &mut End, t: f32, ring: bool, gathered: &mut Gathered) {
         let layer = prepared.layer;
+        let ds = t - before.t;
+        let middle = 0.5 * (t + before.t);
+        let height = self.camera.height_at(self.direction.z, middle);
         let r = self.camera.earth_m;
-        let sine = (((r + self.camera.eye_m) * self.direction.z + t) / (r + height)).abs().max(1e-4);
-        let slice_ds = layer.spacing_m / sine;
-        let share = 1.0 - ring_weight(layer, slice_ds, t, t * self.flat);
-        // A slice fades as the eye comes near its height: it stands for the path between the eye and itself.
-        let near = ((height - self.camera.eye_m).abs() / layer.spacing_m).min(1.0);
-        self.gather(prepared, height, t, share * near * slice_ds.min(0.5 * t + layer.spacing_m), gathered);
-    }
-
-    fn ring(&self, prepared: &Prepared, t: f32, gathered: &mut Gathered) {
-        let layer = prepared.layer;
-        let height = self.camera.height_at(self.direction.z, t);
-        let r = self.camera.earth_m;
-        let sine = (((r + self.camera.eye_m) * self.direction.z + t) / (r + height)).abs().max(1e-4);
-        let share = ring_weight(layer, layer.spacing_m / sine, t, t * self.flat);
-        self.gather(prepared, height, t, share * t * layer.ring_share, gathered);
-    }
-
-    fn gather(&self, prepared: &Prepared, height: f32, t: f32, ds: f32, gathered: &mut Gathered) {
-        let layer = prepared.layer;
-        if ds <= 0.0 {
+        let sine = (((r + self.camera.eye_m) * self.direction.z + middle) / (r + height)).abs().max(1e-4);
+        let carried = ring_weight(layer, layer.spacing_m / sine, middle, middle * self.flat);
+        let share = if ring { carried } else { 1.0 - carried };
+        let start = std::mem::replace(before, End { t, margin: None });
+        if share <= 0.0 || ds <= 0.0 {
             return;
         }
+        let steps = steps(ds, middle);
+        let piece = ds / steps as f32;
+        let mut near = start.margin.unwrap_or_else(|| self.look(prepared, start.t));
+        for step in 1..=steps {
+            let end = start.t + step as f32 * piece;
+            let far = self.look(prepared, end);
+            let whole = mean_clamped(near.margin * layer.inverse_edge, far.margin * layer.inverse_edge);
+            if whole > 0.0 {
+                let deeper = if far.margin > near.margin { &far } else { &near };
+                let light = deeper.light(&prepared.textures);
+                self.gather(prepared, end - 0.5 * piece, share * piece * whole, light, gathered);
+            }
+            near = far;
+        }
+        before.margin = Some(near);
+    }
+
+    fn look(&self, prepared: &Prepared, t: f32) -> Sample {
         let p = self.direction * t + Vec3::new(0.0, 0.0, self.camera.eye_m);
-        let Some(found) = sample(layer, &prepared.textures, self.camera.earth_m, p, height, t) else { return };
-        let alpha = 1.0 - (-layer.extinction_per_m * found.whole * ds).exp();
+        let height = self.camera.height_at(self.direction.z, t);
+        sample(prepared.layer, &prepared.textures, self.camera.earth_m, p, height, t)
+    }
+
+    /// Adds cloud of a given path length at full extinction.
+    fn gather(&self, prepared: &Prepared, t: f32, path_m: f32, light: Vec3, gathered: &mut Gathered) {
+        let layer = prepared.layer;
+        let height = self.camera.height_at(self.direction.z, t);
+        let alpha = 1.0 - (-layer.extinction_per_m * path_m).exp();
+        let p = self.direction * t + Vec3::new(0.0, 0.0, self.camera.eye_m);
         let phase = phase(self.direction.dot(Vec3::from(layer.light_direction)));
         let passed = self.camera.air_transmittance(height, t);
-        let seen = source(layer, &found, phase, p, height) * passed + self.air * (1.0 - passed);
+        let seen = source(layer, light, phase, p, height) * passed + self.air * (1.0 - passed);
         gathered.luminance += seen * (alpha * gathered.transmittance);
         gathered.transmittance *= 1.0 - alpha;
     }
+}
+
+/// Looks a long piece of the ray is cut into: pieces grow with the range, as pixels do.
+fn steps(ds: f32, t: f32) -> u32 {
+    ((ds / (50.0 + 0.02 * t)).ceil() as u32).clamp(1, 4)
+}
+
+/// Where a piece of the ray ended, and what was found there.
+struct End {
+    t: f32,
+    margin: Option<Sample>,
+}
+
+/// Mean of clamp(m, 0, 1) while m runs evenly from `a` to `b` (pre-integration: a slab that cloud enters half-way
+/// counts half, so that slices do not show as lines).
+pub fn mean_clamped(a: f32, b: f32) -> f32 {
+    // Antiderivative of clamp: 0, then m^2 / 2, then m - 1/2.
+    let sum = |m: f32| {
+        let c = m.clamp(0.0, 1.0);
+        0.5 * c * c + (m - 1.0).max(0.0)
+    };
+    if (b - a).abs() < 1e-4 { (0.5 * (a + b)).clamp(0.0, 1.0) } else { (sum(b) - sum(a)) / (b - a) }
 }
 
 /// Ratio of neighbouring radii, from the share that a ring stands for: q with (q - 1/q) / 2 = share.

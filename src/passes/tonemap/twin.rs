@@ -11,11 +11,10 @@ pub fn tonemap(linear: Vec3, x: u32, y: u32) -> [u8; 4] {
     [code(c.x, noise[0]), code(c.y, noise[1]), code(c.z, noise[2]), 255]
 }
 
-/// The curve x (1 + x / w^2) / (1 + x) on luminance-weighted channels with white at w = 3.2, slightly steepened below.
+/// Rational fit of the ACES reference tone curve (Narkowicz 2015), with middle grey kept at middle grey.
 fn filmic(c: Vec3) -> Vec3 {
-    let x = c * 1.9;
-    let w2 = 4.2 * 4.2;
-    (x * (Vec3::ONE + x / w2) / (Vec3::ONE + x)).min(Vec3::ONE)
+    let x = c * 1.1;
+    (x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14)).clamp(Vec3::ZERO, Vec3::ONE)
 }
 
 fn srgb(v: f32) -> f32 {

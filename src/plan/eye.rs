@@ -1,0 +1,91 @@
+//! Where the eye is: the one place where positions on the globe (f64) become positions relative to the eye (f32).
+
+use crate::geo::charts::{ChartView, ZONE, charts_near};
+use crate::geo::frames::{ENU_NED, Curvature, enu, ned_from_body};
+use crate::geo::wgs84::{from_ecef, to_ecef};
+use crate::geo::Geodetic;
+use crate::passes::common::{CHARTS, Chart};
+use crate::world::snapshot::{OwnshipState, ViewState};
+use glam::{DMat3, DQuat, DVec2, DVec3, Vec3};
+
+/// Below this height the eye is drawn as if it were here, so that it is never in the ground.
+pub const LOWEST_EYE_M: f64 = 1.5;
+
+/// The eye's place and the axes of the picture.
+pub struct Eye {
+    /// Place.
+    pub position: Geodetic,
+    /// Columns east, north, up in ECEF.
+    pub enu: DMat3,
+    /// The ground point below, ECEF.
+    pub ground_ecef_m: DVec3,
+    /// Unit vector from the Earth's centre (of the sphere that stands for the Earth) through the eye.
+    pub zenith: DVec3,
+    /// Radius of the sphere that stands for the Earth here.
+    pub earth_m: f64,
+    /// Height over that sphere.
+    pub height_m: f64,
+    /// Right, up and forward axes of the picture in east, north, up.
+    pub axes: [Vec3; 3],
+}
+
+impl Eye {
+    /// The eye of a view.
+    pub fn new(ownship: &OwnshipState, view: &ViewState) -> Self {
+        let body = ENU_NED * ned_from_body(&ownship.attitude);
+        let offset = enu(&ownship.position) * (body * DVec3::from(view.offset_m));
+        let place = from_ecef(to_ecef(&ownship.position) + offset);
+        let position = Geodetic { altitude_m: place.altitude_m.max(LOWEST_EYE_M), ..place };
+        let axes_enu = enu(&position);
+        // The view's axes against the body, in the eye's own east, north, up.
+        let turned = axes_enu.transpose() * enu(&ownship.position) * body * ned_from_body(&view.attitude);
+        let column = |axis: DVec3| (turned * axis).as_vec3();
+        Self {
+            position,
+            enu: axes_enu,
+            ground_ecef_m: to_ecef(&Geodetic { altitude_m: 0.0, ..position }),
+            zenith: axes_enu.z_axis,
+            earth_m: Curvature::at(position.latitude_rad).mean_m(),
+            height_m: position.altitude_m,
+            axes: [column(DVec3::Y), column(DVec3::NEG_Z), column(DVec3::X)],
+        }
+    }
+
+    /// A direction in ECEF as east, north, up.
+    pub fn direction(&self, ecef: DVec3) -> Vec3 {
+        (self.enu.transpose() * ecef).as_vec3()
+    }
+
+    /// A place as east, north and height over the tangent plane at the eye's ground point.
+    pub fn place(&self, place: &Geodetic) -> Vec3 {
+        (self.enu.transpose() * (to_ecef(place) - self.ground_ecef_m)).as_vec3()
+    }
+
+    /// The charts in sight of a pattern that has drifted, with a volume tile and a map of given periods.
+    pub fn charts(&self, drift: DQuat, extent_m: f64, tile_m: f64) -> (Vec<ChartView>, [Chart; CHARTS]) {
+        let near = charts_near(self.zenith, self.enu.x_axis, self.enu.y_axis, drift, extent_m);
+        let mut charts = [Chart::UNUSED; CHARTS];
+        for (chart, view) in charts.iter_mut().zip(&near) {
+            *chart = narrow(view, tile_m);
+        }
+        (near, charts)
+    }
+}
+
+/// A chart with its origin brought into the period of the textures, each chart shifted against the others so that
+/// they do not show the same pattern.
+fn narrow(view: &ChartView, tile_m: f64) -> Chart {
+    use crate::clouds::modulation::{ROTATION, TILE_M};
+    let origin = view.origin_m + DVec2::new(3_571.0, 9_173.0) * (view.chart as f64 + 1.0) * 17.0;
+    let [c, s] = ROTATION.map(f64::from);
+    let map = DVec2::new(c * origin.x - s * origin.y, s * origin.x + c * origin.y) / f64::from(TILE_M);
+    let wrap = |v: DVec2, period: f64| [v.x.rem_euclid(period) as f32, v.y.rem_euclid(period) as f32];
+    Chart {
+        tile_origin_m: wrap(origin, tile_m),
+        map_origin: wrap(map, 1.0),
+        a: view.a.as_vec2().into(),
+        c: view.c.as_vec2().into(),
+        w: view.w.as_vec3().into(),
+        zone: ZONE as f32,
+    }
+}

@@ -1,0 +1,175 @@
+//! The cloud layers in sight, with every number that the light and deck passes read.
+
+use super::eye::Eye;
+use super::illuminance::{Illuminance, Level};
+use super::regions::NearRegion;
+use super::{LayerPlan, PassNote};
+use crate::clouds::coverage::Coverage;
+use crate::clouds::{density, detail, slices};
+use crate::passes::common::Chart;
+use crate::passes::deck::{FLASHES, Flash, Layer, REGIONS, Region};
+use crate::passes::light::Light;
+use crate::world::snapshot::{LayerState, Snapshot};
+use glam::{Vec2, Vec3};
+
+/// No layer is drawn beyond this range: behind it is only haze at any visibility that the limits allow below 300 km.
+const FARTHEST_M: f64 = 300_000.0;
+/// Radius of the first ring around the eye.
+const FIRST_RING_M: f32 = 25.0;
+/// Radius of the last ring: beyond, slices are less than a pixel apart.
+const LAST_RING_M: f32 = 24_000.0;
+
+/// How far something at a height can be seen over the curved Earth.
+pub fn extent_m(eye: &Eye, height_m: f64) -> f64 {
+    let reach = |h: f64| (2.0 * eye.earth_m * h.max(0.0)).sqrt();
+    (reach(eye.height_m) + reach(height_m)).clamp(2_000.0, FARTHEST_M)
+}
+
+/// Flashes with light in the shutter interval, brightest at the eye first.
+pub fn flashes(snapshot: &Snapshot, eye: &Eye, notes: &mut Vec<PassNote>) -> Vec<Flash> {
+    let mut lit: Vec<Flash> = snapshot
+        .flashes
+        .iter()
+        .filter(|f| f.intensity_cd > 0.0)
+        .map(|f| Flash { position_m: eye.place(&f.position).into(), intensity: f.intensity_cd as f32 * 0.079_577_47 })
+        .collect();
+    let strength = |f: &Flash| {
+        let eye = Vec3::new(0.0, 0.0, eye.height_m as f32);
+        f.intensity / (Vec3::from(f.position_m) - eye).length_squared().max(1.0)
+    };
+    lit.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
+    let why = match lit.len() {
+        0 => "no flash gives light in this frame".to_string(),
+        n if n > FLASHES => format!("{n} flashes give light, the brightest {FLASHES} are drawn"),
+        n => format!("{n} flashes give light"),
+    };
+    notes.push(PassNote { pass: "flash", kept: !lit.is_empty(), why });
+    lit.truncate(FLASHES);
+    lit
+}
+
+/// Layers in sight, lowest base first.
+pub fn in_sight(
+    snapshot: &Snapshot,
+    eye: &Eye,
+    light: &Illuminance,
+    regions: &[NearRegion],
+    flashes: &[Flash],
+    notes: &mut Vec<PassNote>,
+) -> Vec<LayerPlan> {
+    let context = Context { snapshot, eye, light, regions, flashes };
+    let mut plans = Vec::new();
+    for (i, layer) in snapshot.weather.layers.iter().enumerate() {
+        plans.extend(context.layer(layer, 0, light.above_layer[i], notes));
+    }
+    for (i, region) in regions.iter().enumerate() {
+        for layer in &region.state.weather.layers {
+            plans.extend(context.layer(layer, i as u32 + 1, light.top, notes));
+        }
+    }
+    if plans.is_empty() {
+        notes.push(PassNote { pass: "deck", kept: false, why: "no layer in sight has cloud".into() });
+    }
+    plans.sort_by(|a, b| a.layer.base_m.total_cmp(&b.layer.base_m));
+    plans
+}
+
+struct Context<'a> {
+    snapshot: &'a Snapshot,
+    eye: &'a Eye,
+    light: &'a Illuminance,
+    regions: &'a [NearRegion<'a>],
+    flashes: &'a [Flash],
+}
+
+impl Context<'_> {
+    fn layer(&self, state: &LayerState, region: u32, above: Level, notes: &mut Vec<PassNote>) -> Option<LayerPlan> {
+        let mut note = |kept, why: String| notes.push(PassNote { pass: "deck", kept, why });
+        let name = format!("{:?} at {:.0} m", state.kind, state.base_m);
+        if state.coverage < 1e-3 || state.density <= 0.0 {
+            note(false, format!("{name} has no cloud (coverage {:.3}, density {:.3})", state.coverage, state.density));
+            return None;
+        }
+        let top_m = state.base_m + state.thickness_m;
+        let extent = extent_m(self.eye, top_m);
+        let (near, charts) = self.eye.charts(state.drift, extent, f64::from(density::TILE_M));
+        let look = state.kind.appearance();
+        let threshold = Coverage::of(state.kind).threshold(state.coverage as f32);
+        let quality = self.snapshot.quality;
+        let ratio = quality.ring_ratio as f32;
+        let extinction = look.extinction_per_m * state.density as f32;
+        let origin = near.first().map_or([0.0; 2], |c| {
+            [c.origin_m.x, c.origin_m.y].map(|v| (v / f64::from(detail::TILE_M)).rem_euclid(1.0) as f32)
+        });
+        let mut outline = [Region::default(); REGIONS];
+        for (slot, near) in outline.iter_mut().zip(self.regions) {
+            *slot = near.outline;
+        }
+        let mut flash = [Flash::default(); FLASHES];
+        flash[..self.flashes.len()].copy_from_slice(self.flashes);
+        let layer = Layer {
+            light_lux: above.direct_lux.into(),
+            base_m: state.base_m as f32,
+            light_direction: self.light.source.into(),
+            thickness_m: state.thickness_m as f32,
+            sky_lux: (above.diffuse_lux * 0.079_577_47).into(),
+            extinction_per_m: extinction,
+            ground_lux: self.light.from_below().into(),
+            inverse_edge: 1.0 / look.edge,
+            theta: threshold.offset,
+            patchiness: threshold.patchiness,
+            spacing_m: slices::spacing_m(quality.slices, state.thickness_m as f32),
+            ring_share: slices::ring_share(ratio),
+            ring_first_m: FIRST_RING_M,
+            ring_last_m: LAST_RING_M.min(extent as f32),
+            extent_m: extent as f32,
+            detail: 0.6 * look.erosion,
+            charts: near.len() as u32,
+            regions: self.regions.len() as u32,
+            flashes: self.flashes.len() as u32,
+            region,
+            detail_origin: origin,
+            pad: [0; 2],
+            chart: charts,
+            outline,
+            flash,
+        };
+        let lights = charts[..near.len()]
+            .iter()
+            .map(|chart| light_params(chart, self.light.source, state, extinction, threshold.typical, look.edge))
+            .collect();
+        note(
+            true,
+            format!("{name} covers {:.2} of the sky, {} slices, {} charts", state.coverage, quality.slices, near.len()),
+        );
+        Some(LayerPlan { kind: state.kind, slices: quality.slices, layer, light: lights })
+    }
+}
+
+/// Parameters of a light volume, rounded so that a volume serves for a while: the direction to a quarter of a degree,
+/// the rest to about one per cent.
+fn light_params(chart: &Chart, source: Vec3, state: &LayerState, extinction: f32, theta: f32, edge: f32) -> Light {
+    let one_per_cent = |v: f32| ((v.ln() * 100.0).round() / 100.0).exp();
+    // The chart's factor turns the eye's axes into the volume's; its length is the chart's scale.
+    let a = Vec2::from(chart.a).normalize_or(Vec2::X);
+    let turned = Vec2::new(a.x * source.x - a.y * source.y, a.x * source.y + a.y * source.x);
+    let step = 0.25f32.to_radians();
+    let elevation = (source.z.clamp(-1.0, 1.0).asin() / step).round() * step;
+    let azimuth = (turned.y.atan2(turned.x) / step).round() * step;
+    // Light below 4 degrees is taken at 4: its path through a whole tile would repeat the tile.
+    let elevation = elevation.max(0.07);
+    let direction = [azimuth.cos() * elevation.cos(), azimuth.sin() * elevation.cos(), elevation.sin()];
+    let voxel_m = density::TILE_M / density::WIDTH as f32;
+    let voxel_height_m = one_per_cent(state.thickness_m as f32) / density::HEIGHT as f32;
+    let shift = voxel_height_m / elevation.tan() / voxel_m;
+    Light {
+        direction,
+        theta: (theta * 128.0).round() / 128.0,
+        voxel_m,
+        voxel_height_m,
+        extinction_per_m: one_per_cent(extinction),
+        inverse_edge: 1.0 / edge,
+        pieces: (shift.ceil() as u32).clamp(1, 8),
+        pad: [0; 3],
+    }
+}
