@@ -1,1 +1,80 @@
 //! The GPU executor: the only importer of wgpu.
+//!
+//! One frame is: the light volumes that are not resident, then the deck in batches from near to far with an occlusion
+//! pass between them, then ground and sky behind it, then tone mapping and a copy into a slot of the read-back ring.
+//! Everything is blended "under": a target's alpha is what is already hidden.
+
+mod device;
+mod frame;
+mod light;
+mod pipelines;
+mod resident;
+mod ring;
+mod targets;
+mod textures;
+
+#[cfg(test)]
+mod tests;
+
+use crate::plan::FramePlan;
+use crate::plan::executor::{Executor, Fault, Finished};
+use device::Gpu;
+use pipelines::Pipelines;
+use resident::Resident;
+use ring::Ring;
+use targets::Targets;
+
+/// All WGSL modules by name, as they are compiled: `common.wgsl` stands before those that use it.
+pub fn shaders() -> Vec<(&'static str, String)> {
+    pipelines::shaders()
+}
+
+/// Plays plans on a graphics adapter.
+pub struct GpuExecutor {
+    gpu: Gpu,
+    pipelines: Pipelines,
+    resident: Resident,
+    targets: Targets,
+    ring: Ring,
+}
+
+impl GpuExecutor {
+    /// Opens the best adapter and builds what every frame needs.
+    ///
+    /// # Errors
+    /// [`Fault::NoAdapter`] where there is none, [`Fault::Unsupported`] where it cannot blend into float targets.
+    pub fn new() -> Result<Self, Fault> {
+        let gpu = Gpu::open()?;
+        let pipelines = Pipelines::new(&gpu);
+        let resident = Resident::new(&gpu);
+        gpu.check()?;
+        Ok(Self { gpu, pipelines, resident, targets: Targets::default(), ring: Ring::default() })
+    }
+
+    /// Buffers, textures and bind groups that live now: flat in the long run.
+    pub fn object_count(&self) -> usize {
+        self.resident.count() + self.targets.count() + self.ring.count()
+    }
+}
+
+impl Executor for GpuExecutor {
+    fn describe(&self) -> String {
+        format!("GPU executor on {}", self.gpu.name)
+    }
+
+    fn submit(&mut self, ticket: u64, plan: &FramePlan) -> Result<(), Fault> {
+        self.gpu.check()?;
+        frame::submit(self, ticket, plan);
+        self.gpu.check()
+    }
+
+    fn collect(&mut self, wait: bool) -> Result<Vec<Finished>, Fault> {
+        let finished = self.ring.collect(&self.gpu, wait);
+        self.gpu.check()?;
+        Ok(finished)
+    }
+
+    fn depth(&self) -> usize {
+        ring::DEPTH
+    }
+}

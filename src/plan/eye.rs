@@ -1,9 +1,9 @@
 //! Where the eye is: the one place where positions on the globe (f64) become positions relative to the eye (f32).
 
-use crate::geo::charts::{ChartView, ZONE, charts_near};
-use crate::geo::frames::{ENU_NED, Curvature, enu, ned_from_body};
-use crate::geo::wgs84::{from_ecef, to_ecef};
 use crate::geo::Geodetic;
+use crate::geo::charts::{BLEND, ChartView, charts_near};
+use crate::geo::frames::{Curvature, ENU_NED, enu, ned_from_body};
+use crate::geo::wgs84::{MEAN_RADIUS_M, from_ecef, to_ecef};
 use crate::passes::common::{CHARTS, Chart};
 use crate::world::snapshot::{OwnshipState, ViewState};
 use glam::{DMat3, DQuat, DVec2, DVec3, Vec3};
@@ -13,8 +13,6 @@ pub const LOWEST_EYE_M: f64 = 1.5;
 
 /// The eye's place and the axes of the picture.
 pub struct Eye {
-    /// Place.
-    pub position: Geodetic,
     /// Columns east, north, up in ECEF.
     pub enu: DMat3,
     /// The ground point below, ECEF.
@@ -41,7 +39,6 @@ impl Eye {
         let turned = axes_enu.transpose() * enu(&ownship.position) * body * ned_from_body(&view.attitude);
         let column = |axis: DVec3| (turned * axis).as_vec3();
         Self {
-            position,
             enu: axes_enu,
             ground_ecef_m: to_ecef(&Geodetic { altitude_m: 0.0, ..position }),
             zenith: axes_enu.z_axis,
@@ -66,15 +63,16 @@ impl Eye {
         let near = charts_near(self.zenith, self.enu.x_axis, self.enu.y_axis, drift, extent_m);
         let mut charts = [Chart::UNUSED; CHARTS];
         for (chart, view) in charts.iter_mut().zip(&near) {
-            *chart = narrow(view, tile_m);
+            *chart = narrow(view, tile_m, MEAN_RADIUS_M / self.earth_m);
         }
         (near, charts)
     }
 }
 
 /// A chart with its origin brought into the period of the textures, each chart shifted against the others so that
-/// they do not show the same pattern.
-fn narrow(view: &ChartView, tile_m: f64) -> Chart {
+/// they do not show the same pattern. Charts lie on the sphere of the mean radius: coordinates on the eye's own sphere are
+/// scaled to it, so that the same angle about the Earth's centre is the same place.
+fn narrow(view: &ChartView, tile_m: f64, to_mean_sphere: f64) -> Chart {
     use crate::clouds::modulation::{ROTATION, TILE_M};
     let origin = view.origin_m + DVec2::new(3_571.0, 9_173.0) * (view.chart as f64 + 1.0) * 17.0;
     let [c, s] = ROTATION.map(f64::from);
@@ -83,9 +81,9 @@ fn narrow(view: &ChartView, tile_m: f64) -> Chart {
     Chart {
         tile_origin_m: wrap(origin, tile_m),
         map_origin: wrap(map, 1.0),
-        a: view.a.as_vec2().into(),
-        c: view.c.as_vec2().into(),
+        a: (view.a * to_mean_sphere).as_vec2().into(),
+        c: (view.c * to_mean_sphere).as_vec2().into(),
         w: view.w.as_vec3().into(),
-        zone: ZONE as f32,
+        zone: BLEND as f32,
     }
 }

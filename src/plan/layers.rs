@@ -170,6 +170,8 @@ fn light_params(chart: &Chart, source: Vec3, state: &LayerState, extinction: f32
         extinction_per_m: one_per_cent(extinction),
         inverse_edge: 1.0 / edge,
         pieces: (shift.ceil() as u32).clamp(1, 8),
-        pad: [0; 3],
+        pad0: 0,
+        pad1: 0,
+        pad2: 0,
     }
 }

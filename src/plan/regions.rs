@@ -65,7 +65,9 @@ fn outline(shape: &RegionShape, presence: f64, eye: &Eye) -> (Region, f64) {
         corner_m: shape.corner_radius_m as f32,
         inverse_transition: (1.0 / transition) as f32,
         presence: presence as f32,
-        pad: [0.0; 3],
+        pad0: 0.0,
+        pad1: 0.0,
+        pad2: 0.0,
     };
     let q = DVec2::new(axis.dot(-centre), axis.perp_dot(-centre)).abs() - core;
     let outside = q.max(DVec2::ZERO).length() - shape.corner_radius_m;

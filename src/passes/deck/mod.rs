@@ -7,6 +7,7 @@
 
 pub mod field;
 pub mod instances;
+pub mod sector;
 pub mod twin;
 
 use crate::passes::common::{CHARTS, Chart};
@@ -34,7 +35,11 @@ pub struct Region {
     /// 0 (not there) to 1.
     pub presence: f32,
     /// Pads to 16 bytes.
-    pub pad: [f32; 3],
+    pub pad0: f32,
+    /// Pads to 16 bytes.
+    pub pad1: f32,
+    /// Pads to 16 bytes.
+    pub pad2: f32,
 }
 
 /// A flash as a point light. Uniform; twin of `Flash` in `deck.wgsl`.
@@ -102,6 +107,32 @@ pub struct Layer {
     /// The flashes.
     pub flash: [Flash; FLASHES],
 }
+
+/// One instance of the deck's mesh: a piece of a slab's far shell, of a ring, or of the shell where rays leave the layer.
+/// Vertex data; twin of the instance inputs of `deck.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Instance {
+    /// [`SLAB`], [`CAP`] or [`RING`], plus [`DOWN`] on the way down.
+    pub kind: u32,
+    /// Height of the slab's near shell; of a ring, its lower edge.
+    pub near_m: f32,
+    /// Height of the slab's far shell; of a ring, its upper edge.
+    pub far_m: f32,
+    /// Inner radius of the piece; of a ring, the radius of the ring before.
+    pub inner_m: f32,
+    /// Outer radius of the piece; of a ring, its radius.
+    pub outer_m: f32,
+}
+
+/// The piece of a ray between two neighbouring slices.
+pub const SLAB: u32 = 0;
+/// The piece of a ray from the last ring to where it leaves the layer.
+pub const CAP: u32 = 1;
+/// The piece of a ray between two neighbouring rings.
+pub const RING: u32 = 2;
+/// The ray is falling.
+pub const DOWN: u32 = 4;
 
 /// Distance below which a flash's light no longer rises (eq. 21 is singular there), m.
 pub const FLASH_CAP_M: f32 = 200.0;

@@ -135,9 +135,8 @@ impl Ray<'_> {
                 return;
             }
         }
-        if self.end_m <= to || rings.t > slabs.t {
-            self.segment(prepared, &mut rings, to, true, gathered);
-        }
+        // From the last ring to where the ray leaves the layer.
+        self.segment(prepared, &mut rings, to, true, gathered);
     }
 
     /// The piece of the ray from the end of the piece before to `t`, as far as slabs or rings carry it there.
@@ -214,13 +213,13 @@ pub fn mean_clamped(a: f32, b: f32) -> f32 {
 }
 
 /// Ratio of neighbouring radii, from the share that a ring stands for: q with (q - 1/q) / 2 = share.
-fn ring_ratio(layer: &Layer) -> f32 {
+pub fn ring_ratio(layer: &Layer) -> f32 {
     layer.ring_share + (layer.ring_share * layer.ring_share + 1.0).sqrt()
 }
 
 /// Share of the ray that rings carry: all where they are the finer sampling, none where slices are, and none beyond the
 /// last ring.
-fn ring_weight(layer: &Layer, slice_ds: f32, t: f32, distance: f32) -> f32 {
+pub fn ring_weight(layer: &Layer, slice_ds: f32, t: f32, distance: f32) -> f32 {
     let ring_ds = t * layer.ring_share;
     let finer = smoothstep(0.35, 0.65, slice_ds / (slice_ds + ring_ds));
     finer * (1.0 - smoothstep(0.7 * layer.ring_last_m, 0.98 * layer.ring_last_m, distance))

@@ -44,5 +44,9 @@ pub struct Light {
     /// Straight pieces of the light's path through one slice.
     pub pieces: u32,
     /// Pads to 16 bytes.
-    pub pad: [u32; 3],
+    pub pad0: u32,
+    /// Pads to 16 bytes.
+    pub pad1: u32,
+    /// Pads to 16 bytes.
+    pub pad2: u32,
 }

@@ -125,7 +125,9 @@ mod tests {
             extinction_per_m,
             inverse_edge: 1.0,
             pieces: 1,
-            pad: [0; 3],
+            pad0: 0,
+            pad1: 0,
+            pad2: 0,
         }
     }
 

@@ -1,0 +1,83 @@
+//! The adapter and its device, and what went wrong with them.
+
+use crate::plan::executor::Fault;
+use std::sync::{Arc, Mutex};
+
+/// An open device.
+pub struct Gpu {
+    pub device: wgpu::Device,
+    pub queue: wgpu::Queue,
+    /// Adapter, driver and back end, for people.
+    pub name: String,
+    /// Format in which light is gathered.
+    pub light_format: wgpu::TextureFormat,
+    trouble: Arc<Mutex<Option<Fault>>>,
+}
+
+impl Gpu {
+    /// Opens the best adapter there is; a software one counts.
+    pub fn open() -> Result<Self, Fault> {
+        let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+        descriptor.backends = wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12;
+        // Validation layers are for debugging by hand; wgpu's own validation stays on.
+        descriptor.flags = wgpu::InstanceFlags::empty();
+        let instance = wgpu::Instance::new(descriptor);
+        let options = wgpu::RequestAdapterOptions {
+            power_preference: wgpu::PowerPreference::HighPerformance,
+            ..Default::default()
+        };
+        let adapter = pollster::block_on(instance.request_adapter(&options)).map_err(|_| Fault::NoAdapter)?;
+        let info = adapter.get_info();
+        let name = format!("{} ({} {}, {:?})", info.name, info.driver, info.driver_info, info.backend);
+        // 32-bit blending costs twice the bandwidth; exposed values fit f16 (see `BRIGHTEST` in common.wgsl).
+        let light_format = wgpu::TextureFormat::Rgba16Float;
+        let blendable = adapter.get_texture_format_features(light_format).flags;
+        if !blendable.contains(wgpu::TextureFormatFeatureFlags::BLENDABLE) {
+            return Err(Fault::Unsupported(format!("{name} cannot blend into 16-bit float targets")));
+        }
+        let request = adapter.request_device(&wgpu::DeviceDescriptor {
+            label: Some("stormdeck"),
+            required_limits: wgpu::Limits {
+                max_texture_dimension_2d: adapter.limits().max_texture_dimension_2d,
+                ..wgpu::Limits::default()
+            },
+            ..Default::default()
+        });
+        let (device, queue) =
+            pollster::block_on(request).map_err(|error| Fault::Unsupported(format!("{name}: {error}")))?;
+        let trouble = Arc::new(Mutex::new(None));
+        let report = |trouble: &Arc<Mutex<Option<Fault>>>| {
+            let trouble = trouble.clone();
+            move |fault: Fault| {
+                trouble.lock().unwrap_or_else(std::sync::PoisonError::into_inner).get_or_insert(fault);
+            }
+        };
+        let (lost, failed) = (report(&trouble), report(&trouble));
+        device
+            .set_device_lost_callback(move |reason, message| lost(Fault::DeviceLost(format!("{reason:?}: {message}"))));
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| failed(Fault::DeviceLost(error.to_string()))));
+        Ok(Self { device, queue, name, light_format, trouble })
+    }
+
+    /// What has gone wrong, if anything: the device is of no more use then.
+    pub fn check(&self) -> Result<(), Fault> {
+        match &*self.trouble.lock().unwrap_or_else(std::sync::PoisonError::into_inner) {
+            Some(fault) => Err(fault.clone()),
+            None => Ok(()),
+        }
+    }
+
+    /// A buffer with these contents.
+    pub fn buffer(&self, label: &str, bytes: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        let size = (bytes.len() as u64).max(16).next_multiple_of(16);
+        let usage = usage | wgpu::BufferUsages::COPY_DST;
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size,
+            usage,
+            mapped_at_creation: false,
+        });
+        self.queue.write_buffer(&buffer, 0, bytes);
+        buffer
+    }
+}

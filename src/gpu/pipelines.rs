@@ -1,0 +1,277 @@
+//! The pipelines: one for each pass, and for the deck one for each combination of what a scene needs.
+
+use super::device::Gpu;
+use super::targets::{DEPTH_FORMAT, PICTURE_FORMAT};
+use crate::passes::deck::Instance;
+use std::collections::HashMap;
+
+const COMMON: &str = include_str!("../passes/common.wgsl");
+
+/// All WGSL modules by name, as they are compiled.
+pub fn shaders() -> Vec<(&'static str, String)> {
+    let with_common = |name, text: &str| (name, format!("{COMMON}\n{text}"));
+    vec![
+        with_common("sky", include_str!("../passes/sky/sky.wgsl")),
+        with_common("ground", include_str!("../passes/ground/ground.wgsl")),
+        with_common("deck", include_str!("../passes/deck/deck.wgsl")),
+        with_common("cull", include_str!("../passes/cull/cull.wgsl")),
+        ("light", include_str!("../passes/light/light.wgsl").to_string()),
+        ("tonemap", include_str!("../passes/tonemap/tonemap.wgsl").to_string()),
+    ]
+}
+
+/// What of the deck's shader a layer needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct DeckVariant {
+    pub several_charts: bool,
+    pub regions: bool,
+    pub flashes: bool,
+}
+
+/// Pipelines and the layouts of their bind groups.
+pub struct Pipelines {
+    pub frame_layout: wgpu::BindGroupLayout,
+    pub deck_layout: wgpu::BindGroupLayout,
+    pub ground_layout: wgpu::BindGroupLayout,
+    pub image_layout: wgpu::BindGroupLayout,
+    pub light_layout: wgpu::BindGroupLayout,
+    pub sky: wgpu::RenderPipeline,
+    pub ground: wgpu::RenderPipeline,
+    pub cull: wgpu::RenderPipeline,
+    pub tonemap: wgpu::RenderPipeline,
+    pub light_down: wgpu::ComputePipeline,
+    pub light_up: wgpu::ComputePipeline,
+    deck_module: wgpu::ShaderModule,
+    deck_pipeline_layout: wgpu::PipelineLayout,
+    deck: HashMap<DeckVariant, wgpu::RenderPipeline>,
+}
+
+impl Pipelines {
+    /// Builds every pipeline but the deck's variants, which are built when first needed.
+    pub fn new(gpu: &Gpu) -> Self {
+        let sources: HashMap<_, _> = shaders().into_iter().collect();
+        Self::from_sources(gpu, &sources)
+    }
+
+    /// The same from given sources, so that a test can break one.
+    pub fn from_sources(gpu: &Gpu, sources: &HashMap<&'static str, String>) -> Self {
+        let module = |name: &str| {
+            let source = sources.get(name).cloned().unwrap_or_default();
+            gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(name),
+                source: wgpu::ShaderSource::Wgsl(source.into()),
+            })
+        };
+        let layouts = Layouts::new(gpu);
+        let fullscreen = |name: &str, group1: Option<&wgpu::BindGroupLayout>| {
+            let layout = pipeline_layout(gpu, &[Some(&layouts.frame), group1]);
+            render(gpu, name, &module(name), &layout, Some(under(gpu.light_format)), Some(tested()), &[])
+        };
+        let cull_layout = pipeline_layout(gpu, &[None, Some(&layouts.image)]);
+        let tonemap_layout = pipeline_layout(gpu, &[Some(&layouts.image)]);
+        let light_layout = pipeline_layout(gpu, &[Some(&layouts.light)]);
+        let light_module = module("light");
+        let light = |entry: &str| {
+            gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(entry),
+                layout: Some(&light_layout),
+                module: &light_module,
+                entry_point: Some(entry),
+                compilation_options: Default::default(),
+                cache: None,
+            })
+        };
+        let opaque = wgpu::ColorTargetState { format: PICTURE_FORMAT, blend: None, write_mask: wgpu::ColorWrites::ALL };
+        Self {
+            sky: fullscreen("sky", None),
+            ground: fullscreen("ground", Some(&layouts.ground)),
+            cull: render(gpu, "cull", &module("cull"), &cull_layout, None, Some(marked()), &[]),
+            tonemap: render(gpu, "tonemap", &module("tonemap"), &tonemap_layout, Some(opaque), None, &[]),
+            light_down: light("light_down"),
+            light_up: light("light_up"),
+            deck_module: module("deck"),
+            deck_pipeline_layout: pipeline_layout(gpu, &[Some(&layouts.frame), Some(&layouts.deck)]),
+            deck: HashMap::new(),
+            frame_layout: layouts.frame,
+            deck_layout: layouts.deck,
+            ground_layout: layouts.ground,
+            image_layout: layouts.image,
+            light_layout: layouts.light,
+        }
+    }
+
+    /// The deck's pipeline for what a layer needs.
+    pub fn deck(&mut self, gpu: &Gpu, variant: DeckVariant) -> &wgpu::RenderPipeline {
+        self.deck.entry(variant).or_insert_with(|| {
+            let flag = |on: bool| f64::from(u8::from(on));
+            let constants = [
+                ("SEVERAL_CHARTS", flag(variant.several_charts)),
+                ("REGIONS", flag(variant.regions)),
+                ("FLASHES", flag(variant.flashes)),
+            ];
+            let target = Some(under(gpu.light_format));
+            render(gpu, "deck", &self.deck_module, &self.deck_pipeline_layout, target, Some(tested()), &constants)
+        })
+    }
+}
+
+struct Layouts {
+    frame: wgpu::BindGroupLayout,
+    deck: wgpu::BindGroupLayout,
+    ground: wgpu::BindGroupLayout,
+    image: wgpu::BindGroupLayout,
+    light: wgpu::BindGroupLayout,
+}
+
+impl Layouts {
+    fn new(gpu: &Gpu) -> Self {
+        use wgpu::TextureViewDimension::{D2, D3};
+        let layout = |label: &str, stages: wgpu::ShaderStages, kinds: &[wgpu::BindingType]| {
+            let entries: Vec<_> = kinds
+                .iter()
+                .enumerate()
+                .map(|(i, ty)| wgpu::BindGroupLayoutEntry {
+                    binding: i as u32,
+                    visibility: stages,
+                    ty: *ty,
+                    count: None,
+                })
+                .collect();
+            gpu.device
+                .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
+        };
+        let buffer =
+            |ty, has_dynamic_offset| wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
+        let uniform = buffer(wgpu::BufferBindingType::Uniform, false);
+        let storage = buffer(wgpu::BufferBindingType::Storage { read_only: false }, false);
+        let texture = |view_dimension, filterable| wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable },
+            view_dimension,
+            multisampled: false,
+        };
+        let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
+        let drawing = wgpu::ShaderStages::VERTEX_FRAGMENT;
+        let volume = texture(D3, true);
+        Self {
+            frame: layout(
+                "frame",
+                drawing,
+                &[uniform, uniform, texture(D2, true), sampler, texture(D2, true), sampler],
+            ),
+            deck: layout(
+                "deck",
+                drawing,
+                &[uniform, uniform, volume, volume, volume, texture(D2, true), volume, sampler],
+            ),
+            ground: layout("ground", drawing, &[uniform]),
+            image: layout("image", drawing, &[texture(D2, false)]),
+            light: layout(
+                "light",
+                wgpu::ShaderStages::COMPUTE,
+                &[
+                    uniform,
+                    buffer(wgpu::BufferBindingType::Uniform, true),
+                    texture(D3, false),
+                    storage,
+                    storage,
+                    wgpu::BindingType::StorageTexture {
+                        access: wgpu::StorageTextureAccess::WriteOnly,
+                        format: wgpu::TextureFormat::Rgba8Unorm,
+                        view_dimension: D3,
+                    },
+                ],
+            ),
+        }
+    }
+}
+
+fn pipeline_layout(gpu: &Gpu, groups: &[Option<&wgpu::BindGroupLayout>]) -> wgpu::PipelineLayout {
+    let groups: Vec<_> = match groups {
+        [first, None] => vec![*first],
+        all => all.to_vec(),
+    };
+    gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: None,
+        bind_group_layouts: &groups,
+        immediate_size: 0,
+    })
+}
+
+/// What is nearer is there already: new light comes through what the target's alpha still lets pass.
+fn under(format: wgpu::TextureFormat) -> wgpu::ColorTargetState {
+    let component = wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::OneMinusDstAlpha,
+        dst_factor: wgpu::BlendFactor::One,
+        operation: wgpu::BlendOperation::Add,
+    };
+    let blend = Some(wgpu::BlendState { color: component, alpha: component });
+    wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL }
+}
+
+/// Everything drawn lies at depth 0.5 and passes where nothing has been marked.
+fn tested() -> wgpu::DepthStencilState {
+    depth(false, wgpu::CompareFunction::LessEqual)
+}
+
+/// Marks opaque pixels at depth 0.
+fn marked() -> wgpu::DepthStencilState {
+    depth(true, wgpu::CompareFunction::Always)
+}
+
+fn depth(write: bool, compare: wgpu::CompareFunction) -> wgpu::DepthStencilState {
+    wgpu::DepthStencilState {
+        format: DEPTH_FORMAT,
+        depth_write_enabled: Some(write),
+        depth_compare: Some(compare),
+        stencil: Default::default(),
+        bias: Default::default(),
+    }
+}
+
+fn render(
+    gpu: &Gpu,
+    name: &str,
+    module: &wgpu::ShaderModule,
+    layout: &wgpu::PipelineLayout,
+    target: Option<wgpu::ColorTargetState>,
+    depth_stencil: Option<wgpu::DepthStencilState>,
+    constants: &[(&str, f64)],
+) -> wgpu::RenderPipeline {
+    let instances = wgpu::VertexBufferLayout {
+        array_stride: size_of::<Instance>() as u64,
+        step_mode: wgpu::VertexStepMode::Instance,
+        attributes: &wgpu::vertex_attr_array![0 => Uint32, 1 => Float32, 2 => Float32, 3 => Float32, 4 => Float32],
+    };
+    let instanced = name == "deck";
+    let buffers = [Some(instances)];
+    let compilation_options = wgpu::PipelineCompilationOptions { constants, ..Default::default() };
+    let targets: Vec<_> = target.into_iter().map(Some).collect();
+    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(name),
+        layout: Some(layout),
+        vertex: wgpu::VertexState {
+            module,
+            entry_point: Some(&format!("{name}_vertex")),
+            compilation_options: compilation_options.clone(),
+            buffers: &buffers[..usize::from(instanced)],
+        },
+        primitive: wgpu::PrimitiveState {
+            topology: if instanced {
+                wgpu::PrimitiveTopology::TriangleStrip
+            } else {
+                wgpu::PrimitiveTopology::TriangleList
+            },
+            ..Default::default()
+        },
+        depth_stencil,
+        multisample: Default::default(),
+        fragment: Some(wgpu::FragmentState {
+            module,
+            entry_point: Some(&format!("{name}_fragment")),
+            compilation_options,
+            targets: &targets,
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}

@@ -1,0 +1,120 @@
+//! What stays on the device between frames: textures of the house, the sky's table, and light volumes by their parameters.
+
+use super::device::Gpu;
+use super::light;
+use super::pipelines::Pipelines;
+use super::textures::filled;
+use crate::clouds::density::{self, DensityVolume};
+use crate::clouds::{CloudKind, detail, modulation};
+use crate::passes::deck::field::{BOUNDS_WIDTH, column_bounds};
+use crate::passes::light::Light;
+use crate::passes::sky::table::{self, TableParams};
+use std::collections::VecDeque;
+
+/// Light volumes kept at once (8 MiB each).
+const VOLUMES_KEPT: usize = 16;
+
+/// A genus's shape values and their bounds by column.
+pub struct Shape {
+    pub values: wgpu::TextureView,
+    pub bounds: wgpu::TextureView,
+}
+
+/// Everything that stays.
+pub struct Resident {
+    pub map: wgpu::TextureView,
+    pub detail: wgpu::TextureView,
+    /// Clamped, for the sky's table.
+    pub clamped: wgpu::Sampler,
+    /// Repeating along all axes.
+    pub repeated: wgpu::Sampler,
+    /// Repeating east and north, clamped upwards.
+    pub tiled: wgpu::Sampler,
+    table: Option<(TableParams, wgpu::TextureView)>,
+    shapes: VecDeque<(CloudKind, Shape)>,
+    volumes: VecDeque<((CloudKind, Light), wgpu::TextureView)>,
+    scratch: Option<light::Scratch>,
+}
+
+impl Resident {
+    /// Uploads what every frame reads.
+    pub fn new(gpu: &Gpu) -> Self {
+        use wgpu::AddressMode::{ClampToEdge, Repeat};
+        let byte = wgpu::TextureFormat::R8Unorm;
+        let (w, d) = (modulation::WIDTH as u32, detail::WIDTH as u32);
+        let sampler = |horizontal, vertical| {
+            gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+                address_mode_u: horizontal,
+                address_mode_v: horizontal,
+                address_mode_w: vertical,
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                ..Default::default()
+            })
+        };
+        Self {
+            map: filled(gpu, "map", byte, [w, w, 1], modulation::map()),
+            detail: filled(gpu, "detail", byte, [d, d, d], detail::volume()),
+            clamped: sampler(ClampToEdge, ClampToEdge),
+            repeated: sampler(Repeat, Repeat),
+            tiled: sampler(Repeat, ClampToEdge),
+            table: None,
+            shapes: VecDeque::new(),
+            volumes: VecDeque::new(),
+            scratch: None,
+        }
+    }
+
+    /// The sky's table for these parameters.
+    pub fn table(&mut self, gpu: &Gpu, params: &TableParams) -> wgpu::TextureView {
+        match &self.table {
+            Some((kept, view)) if kept == params => view.clone(),
+            _ => {
+                let texels = table::build(params);
+                let size = [2 * table::WIDTH as u32, table::WIDTH as u32, 1];
+                let format = wgpu::TextureFormat::Rgba16Float;
+                let view = filled(gpu, "sky table", format, size, bytemuck::cast_slice(&texels));
+                self.table = Some((*params, view.clone()));
+                view
+            }
+        }
+    }
+
+    /// Bounds of a genus's columns.
+    pub fn bounds(&mut self, gpu: &Gpu, kind: CloudKind) -> wgpu::TextureView {
+        self.shape(gpu, kind).bounds.clone()
+    }
+
+    /// The light volume of a genus for these parameters; computed where it is not resident.
+    pub fn volume(&mut self, gpu: &Gpu, pipelines: &Pipelines, kind: CloudKind, params: &Light) -> wgpu::TextureView {
+        let key = (kind, *params);
+        let found = self.volumes.iter().position(|(k, _)| *k == key).and_then(|at| self.volumes.remove(at));
+        let entry = found.unwrap_or_else(|| {
+            let shape = self.shape(gpu, kind).values.clone();
+            let scratch = self.scratch.get_or_insert_with(|| light::Scratch::new(gpu));
+            (key, light::compute(gpu, pipelines, scratch, &shape, params))
+        });
+        let view = entry.1.clone();
+        self.volumes.push_front(entry);
+        self.volumes.truncate(VOLUMES_KEPT);
+        view
+    }
+
+    /// Textures and buffers that live.
+    pub fn count(&self) -> usize {
+        2 + usize::from(self.table.is_some()) + 2 * self.shapes.len() + self.volumes.len()
+    }
+
+    fn shape(&mut self, gpu: &Gpu, kind: CloudKind) -> &Shape {
+        let at = self.shapes.iter().position(|(k, _)| *k == kind).unwrap_or_else(|| {
+            let shape = &DensityVolume::of(kind).shape;
+            let (w, h, b) = (density::WIDTH as u32, density::HEIGHT as u32, BOUNDS_WIDTH as u32);
+            let byte = wgpu::TextureFormat::R8Unorm;
+            let values = filled(gpu, "shape", byte, [w, w, h], shape);
+            let bounds = filled(gpu, "bounds", byte, [b, b, 1], &column_bounds(shape));
+            self.shapes.push_back((kind, Shape { values, bounds }));
+            self.shapes.len() - 1
+        });
+        &self.shapes[at].1
+    }
+}

@@ -1,0 +1,1 @@
+//! GPU against twin, pass by pass.

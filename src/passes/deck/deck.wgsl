@@ -1,0 +1,325 @@
+// The deck: slabs between slices and between rings, near to far. Twin: twin.rs and field.rs.
+
+struct Region {
+    centre_m: vec2<f32>,
+    rotation: vec2<f32>,
+    core_m: vec2<f32>,
+    corner_m: f32,
+    inverse_transition: f32,
+    presence: f32,
+    pad0: f32,
+    pad1: f32,
+    pad2: f32,
+}
+
+struct Layer {
+    light_lux: vec3<f32>,
+    base_m: f32,
+    light_direction: vec3<f32>,
+    thickness_m: f32,
+    sky_lux: vec3<f32>,
+    extinction_per_m: f32,
+    ground_lux: vec3<f32>,
+    inverse_edge: f32,
+    theta: f32,
+    patchiness: f32,
+    spacing_m: f32,
+    ring_share: f32,
+    ring_first_m: f32,
+    ring_last_m: f32,
+    extent_m: f32,
+    detail: f32,
+    charts: u32,
+    regions: u32,
+    flashes: u32,
+    region: u32,
+    detail_origin: vec2<f32>,
+    pad: vec2<u32>,
+    chart: array<Chart, 3>,
+    outline: array<Region, 4>,
+    flash: array<Flash, 8>,
+}
+
+// Part of the horizon that the picture sees: first azimuth, step, and the number of steps.
+struct Sector {
+    first_rad: f32,
+    step_rad: f32,
+}
+
+// What a scene does not need is not in its pipeline.
+override SEVERAL_CHARTS: bool = true;
+override REGIONS: bool = true;
+override FLASHES: bool = true;
+
+const TILE_M: f32 = 16000.0;
+const DETAIL_TILE_M: f32 = 1397.0;
+const DETAIL_NEAR_M: f32 = 2500.0;
+const DETAIL_FAR_M: f32 = 9000.0;
+const DIFFUSE_RANGE: f32 = 5.0;
+const PER_STERADIAN: f32 = 0.07957747;
+const OPAQUE: f32 = 0.004;
+
+@group(1) @binding(0) var<uniform> layer: Layer;
+@group(1) @binding(1) var<uniform> sector: Sector;
+@group(1) @binding(2) var volume0: texture_3d<f32>;
+@group(1) @binding(3) var volume1: texture_3d<f32>;
+@group(1) @binding(4) var volume2: texture_3d<f32>;
+@group(1) @binding(5) var bounds: texture_2d<f32>;
+@group(1) @binding(6) var detail: texture_3d<f32>;
+@group(1) @binding(7) var tiled: sampler;
+
+struct Passed {
+    @builtin(position) position: vec4<f32>,
+    @location(0) @interpolate(flat) kind: u32,
+    @location(1) @interpolate(flat) shells: vec4<f32>,
+}
+
+@vertex
+fn deck_vertex(
+    @builtin(vertex_index) index: u32,
+    @location(0) kind: u32,
+    @location(1) near_m: f32,
+    @location(2) far_m: f32,
+    @location(3) inner_m: f32,
+    @location(4) outer_m: f32,
+) -> Passed {
+    let azimuth = sector.first_rad + f32(index >> 1u) * sector.step_rad;
+    let upper = (index & 1u) == 1u;
+    let ring = (kind & 3u) == 2u;
+    let distance = select(select(inner_m, outer_m, upper), outer_m, ring);
+    let height = select(far_m, select(near_m, far_m, upper), ring);
+    let r = camera.earth_m + height;
+    let z = height - distance * distance / (sqrt(max(r * r - distance * distance, 0.0)) + r) - camera.eye_m;
+    let v = vec3<f32>(sin(azimuth) * distance, cos(azimuth) * distance, z);
+    let x = dot(v, camera.right) / dot(camera.right, camera.right);
+    let y = dot(v, camera.up) / dot(camera.up, camera.up);
+    let w = dot(v, camera.forward);
+    var out: Passed;
+    out.position = vec4<f32>(x, y, 0.5 * w, w);
+    out.kind = kind;
+    out.shells = vec4<f32>(near_m, far_m, inner_m, outer_m);
+    return out;
+}
+
+fn region_presence(region: Region, z: vec2<f32>) -> f32 {
+    let d = z - region.centre_m;
+    let r = region.rotation;
+    let q = abs(vec2<f32>(r.x * d.x + r.y * d.y, r.x * d.y - r.y * d.x)) - region.core_m;
+    let outside = length(max(q, vec2<f32>(0.0))) + min(max(q.x, q.y), 0.0) - region.corner_m;
+    return region.presence * (1.0 - smoothstep(0.0, 1.0, outside * region.inverse_transition));
+}
+
+fn region_shift(z: vec2<f32>) -> f32 {
+    var there = 1.0;
+    for (var i = 0u; i < layer.regions; i++) {
+        let inside = region_presence(layer.outline[i], z);
+        if layer.region == 0u {
+            there *= 1.0 - inside;
+        } else if layer.region == i + 1u {
+            there = inside;
+        }
+    }
+    return 1.0 - there;
+}
+
+fn volume_at(chart: u32, at: vec3<f32>) -> vec4<f32> {
+    if chart == 0u {
+        return textureSampleLevel(volume0, tiled, at, 0.0);
+    }
+    if chart == 1u {
+        return textureSampleLevel(volume1, tiled, at, 0.0);
+    }
+    return textureSampleLevel(volume2, tiled, at, 0.0);
+}
+
+fn bound_at(tile: vec2<f32>) -> f32 {
+    let cell = vec2<u32>((tile - floor(tile)) * 128.0) & vec2<u32>(127u);
+    return textureLoad(bounds, cell, 0).r;
+}
+
+fn fine(z: vec2<f32>, height: f32, t: f32) -> f32 {
+    let fade = 1.0 - smoothstep(DETAIL_NEAR_M, DETAIL_FAR_M, t);
+    let at = vec3<f32>(layer.detail_origin + z / DETAIL_TILE_M, height / DETAIL_TILE_M);
+    return layer.detail * fade * (textureSampleLevel(detail, repeated, at, 0.0).r - 0.5);
+}
+
+fn near_edge(margin: f32, t: f32) -> bool {
+    return t < DETAIL_FAR_M && abs(margin) < 0.5 * layer.detail + 1.0 / layer.inverse_edge;
+}
+
+// Directional, diffuse and sky light as stored, and the margin over theta.
+fn look(direction: vec3<f32>, t: f32) -> vec4<f32> {
+    let p = direction * t + vec3<f32>(0.0, 0.0, camera.eye_m);
+    let height = height_at(direction.z, t);
+    let radius = camera.earth_m + height;
+    let z = stereographic(p, radius);
+    var shift = 0.0;
+    if REGIONS {
+        shift = region_shift(z);
+        if shift >= 1.0 {
+            return vec4<f32>(0.0, 0.0, 0.0, -1.0);
+        }
+    }
+    let share = (height - layer.base_m) / layer.thickness_m;
+    var found = vec4<f32>(0.0);
+    if SEVERAL_CHARTS {
+        let from_centre = (p + vec3<f32>(0.0, 0.0, camera.earth_m)) / radius;
+        var best = -1.0;
+        for (var i = 0u; i < layer.charts; i++) {
+            best = max(best, dot(from_centre, layer.chart[i].w));
+        }
+        var sum = 0.0;
+        for (var i = 0u; i < layer.charts; i++) {
+            let weight = max(layer.chart[i].zone + dot(from_centre, layer.chart[i].w) - best, 0.0);
+            if weight > 0.0 {
+                let moved = displacement(layer.chart[i].a, layer.chart[i].c, z);
+                let tile = (layer.chart[i].tile_origin_m + moved) * (1.0 / TILE_M);
+                let place = layer.chart[i].map_origin + map_coordinates(moved);
+                let theta = layer.theta + layer.patchiness * textureSampleLevel(map, repeated, place, 0.0).r + shift;
+                found += weight * (volume_at(i, vec3<f32>(tile, share)) - vec4<f32>(0.0, 0.0, 0.0, theta));
+                sum += weight;
+            }
+        }
+        found /= sum;
+    } else {
+        let moved = displacement(layer.chart[0].a, layer.chart[0].c, z);
+        let tile = (layer.chart[0].tile_origin_m + moved) * (1.0 / TILE_M);
+        let most = bound_at(tile) + 0.5 * layer.detail - layer.theta - shift;
+        if most < 0.0 {
+            return vec4<f32>(0.0, 0.0, 0.0, most);
+        }
+        let place = layer.chart[0].map_origin + map_coordinates(moved);
+        let raised = layer.patchiness * textureSampleLevel(map, repeated, place, 0.0).r;
+        if most < raised {
+            return vec4<f32>(0.0, 0.0, 0.0, most - raised);
+        }
+        found = volume_at(0u, vec3<f32>(tile, share)) - vec4<f32>(0.0, 0.0, 0.0, layer.theta + raised + shift);
+    }
+    if near_edge(found.a, t) {
+        found.a += fine(z, height, t);
+    }
+    return found;
+}
+
+fn phase(cosine: f32) -> f32 {
+    let f = vec2<f32>(0.70, -0.25);
+    let d = 1.0 + f * f - 2.0 * f * cosine;
+    let lobes = 1.5 * (1.0 - f * f) / (2.0 + f * f) * (1.0 + cosine * cosine) / (d * sqrt(d));
+    return PER_STERADIAN * dot(lobes, vec2<f32>(0.75, 0.25));
+}
+
+// Luminance that a point of cloud sends towards the eye where it is opaque.
+fn source(stored: vec3<f32>, along: f32, p: vec3<f32>, height: f32) -> vec3<f32> {
+    let shares = stored * stored;
+    let below = clamp(1.0 - (height - layer.base_m) / layer.thickness_m, 0.0, 1.0);
+    var light = layer.light_lux * (along * shares.x + DIFFUSE_RANGE * PER_STERADIAN * shares.y)
+        + layer.sky_lux * (DIFFUSE_RANGE * shares.z) + layer.ground_lux * (below * below);
+    if FLASHES {
+        for (var i = 0u; i < layer.flashes; i++) {
+            let away = p - layer.flash[i].position_m;
+            let d2 = max(dot(away, away), FLASH_CAP_M * FLASH_CAP_M);
+            light += FLASH_COLOUR * (layer.flash[i].intensity / d2);
+        }
+    }
+    return light;
+}
+
+fn ring_weight(slice_ds: f32, t: f32, distance: f32) -> f32 {
+    let ring_ds = t * layer.ring_share;
+    let finer = smoothstep(0.35, 0.65, slice_ds / (slice_ds + ring_ds));
+    return finer * (1.0 - smoothstep(0.7 * layer.ring_last_m, 0.98 * layer.ring_last_m, distance));
+}
+
+fn clamp_sum(m: f32) -> f32 {
+    let c = clamp(m, 0.0, 1.0);
+    return 0.5 * c * c + max(m - 1.0, 0.0);
+}
+
+// Mean of clamp(m, 0, 1) while m runs evenly from a to b.
+fn mean_clamped(a: f32, b: f32) -> f32 {
+    if abs(b - a) < 1e-4 {
+        return clamp(0.5 * (a + b), 0.0, 1.0);
+    }
+    return (clamp_sum(b) - clamp_sum(a)) / (b - a);
+}
+
+@fragment
+fn deck_fragment(in: Passed) -> @location(0) vec4<f32> {
+    let nothing = vec4<f32>(0.0);
+    let direction = ray_of(in.position.xy);
+    let up = direction.z;
+    let flat_share = sqrt(max(1.0 - up * up, 0.0));
+    let r = camera.earth_m + camera.eye_m;
+    let lowest_t = max(-r * up, 0.0);
+    let kind = in.kind & 3u;
+    let ring = kind == 2u;
+    var falling = (in.kind & 4u) != 0u;
+    var far_t = in.shells.w / max(flat_share, 1e-4);
+    if ring {
+        falling = far_t < lowest_t;
+    } else {
+        let t = crossings(up, in.shells.y);
+        far_t = select(t.y, t.x, falling);
+    }
+    if far_t >= FAR || (falling && up >= 0.0) {
+        return nothing;
+    }
+    let ground_t = crossings(up, 0.0).x;
+    if far_t > ground_t {
+        return nothing;
+    }
+    // Where this leg of the ray enters the layer.
+    let top = layer.base_m + layer.thickness_m;
+    var from_t = 0.0;
+    if falling {
+        if camera.eye_m > top {
+            from_t = crossings(up, top).x;
+        }
+    } else {
+        let begin = crossings(up, layer.base_m).y;
+        from_t = select(lowest_t, begin, begin < FAR && (camera.eye_m < layer.base_m || up < 0.0));
+    }
+    var near_t = from_t;
+    if kind == 0u {
+        let t = crossings(up, in.shells.x);
+        let found = select(t.y, t.x, falling);
+        near_t = select(from_t, max(found, from_t), found < FAR);
+    } else {
+        near_t = max(in.shells.z / max(flat_share, 1e-4), from_t);
+    }
+    let ds = far_t - near_t;
+    if !(ds > 0.0) {
+        return nothing;
+    }
+    let middle = 0.5 * (near_t + far_t);
+    let sine = max(abs((r * up + middle) / (camera.earth_m + height_at(up, middle))), 1e-4);
+    let carried = ring_weight(layer.spacing_m / sine, middle, middle * flat_share);
+    let share = select(carried, 1.0 - carried, kind == 0u);
+    if share <= 0.0 {
+        return nothing;
+    }
+    let steps = clamp(u32(ceil(ds / (50.0 + 0.02 * middle))), 1u, 4u);
+    let piece = ds / f32(steps);
+    var near = look(direction, near_t);
+    var light = vec3<f32>(0.0);
+    var transmittance = 1.0;
+    for (var step = 1u; step <= steps; step++) {
+        let end = near_t + f32(step) * piece;
+        let far = look(direction, end);
+        let whole = mean_clamped(near.a * layer.inverse_edge, far.a * layer.inverse_edge);
+        if whole > 0.0 {
+            let alpha = 1.0 - exp(-layer.extinction_per_m * share * piece * whole);
+            let t = end - 0.5 * piece;
+            let height = height_at(up, t);
+            let p = direction * t + vec3<f32>(0.0, 0.0, camera.eye_m);
+            let stored = select(near.rgb, far.rgb, far.a > near.a);
+            let passed = air_transmittance(height, t);
+            let along = phase(dot(direction, layer.light_direction));
+            let seen = source(stored, along, p, height) * passed + endless_air(air_along(direction)) * (1.0 - passed);
+            light += seen * (alpha * transmittance);
+            transmittance *= 1.0 - alpha;
+        }
+        near = far;
+    }
+    return vec4<f32>(min(light * camera.exposure, vec3<f32>(BRIGHTEST)), 1.0 - transmittance);
+}
