@@ -5,9 +5,10 @@
 
 /// Optical energy in joules per kiloampere of peak current, 0.4 to 1.1 micrometres.
 ///
-/// Guo and Krider (1982), "The optical and radio frequency signatures produced by lightning return strokes": first
-/// strokes radiate 3.7e5 J in the mean (spread from 1e5 to 1e6), taken at the median first current of 30 kA. Their later
-/// strokes (7.7e4 J at about 12 kA) lie at half of this line: within the scatter.
+/// Guo and Krider (1982), "The optical and radiation field signatures produced by lightning return strokes": first strokes
+/// radiate some 3.7e5 J in the mean, taken at the median first current of 30 kA. Proportion to the peak current is the
+/// simplest of the relations that the measurements allow (peak light against peak current of triggered strokes: a linear, a
+/// square and a power law fit alike).
 pub const OPTICAL_JOULES_PER_KA: f64 = 3.7e5 / 30.0;
 
 /// Lumens per watt of optical power, 0.4 to 1.1 micrometres.
@@ -16,8 +17,7 @@ pub const OPTICAL_JOULES_PER_KA: f64 = 3.7e5 / 30.0;
 /// V(lambda) weighs; a test integrates it. Lines and cooling move the truth by perhaps a third.
 pub const LUMENS_PER_OPTICAL_WATT: f64 = 163.0;
 
-/// Rise of a stroke's light in seconds: well under a millisecond (Guo and Krider 1982: 15 microseconds to peak for
-/// first strokes at the channel; in-cloud scattering widens it).
+/// Rise of a stroke's light in seconds: tens of microseconds, well under a millisecond.
 pub const RISE_S: f64 = 5e-5;
 /// Decay of a stroke's light in seconds: about a millisecond, seen from outside the cloud.
 pub const DECAY_S: f64 = 1e-3;

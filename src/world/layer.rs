@@ -48,14 +48,12 @@ impl Cover {
 }
 
 impl Layer {
-    /// A layer that comes out of clear air, not below `floor_m` at first (it sinks to its place from above those that were).
-    pub fn appearing(spec: &LayerSpec, floor_m: f64, here: &Geodetic, span: Span) -> Self {
+    /// A layer that comes out of clear air.
+    pub fn appearing(spec: &LayerSpec, here: &Geodetic, span: Span) -> Self {
         let resting = |value| Eased::resting(value, Scale::Linear);
-        let mut base_m = resting(spec.base_m.max(floor_m));
-        base_m.aim(spec.base_m, span);
         Self {
             cover: Cover { old: (spec.kind, 0.0), new: (spec.kind, spec.coverage), span },
-            base_m,
+            base_m: resting(spec.base_m),
             thickness_m: resting(spec.thickness_m),
             density: resting(spec.density),
             drift: Drift::new(wind(spec, here), span.begin_s),
@@ -97,13 +95,10 @@ impl Layer {
         }
     }
 
-    /// Clears away, rising out of the way of what stays; returns its top when it is gone.
-    pub fn leave(&mut self, floor_m: f64, span: Span) -> f64 {
+    /// Clears away where it is.
+    pub fn leave(&mut self, span: Span) {
         self.leaving = true;
         self.cover.aim((self.cover.at(span.begin_s).0, 0.0), span);
-        let base_m = self.base_m.at(span.begin_s).max(floor_m);
-        self.base_m.aim(base_m, span);
-        base_m + self.thickness_m.at(span.begin_s)
     }
 
     /// Whether it is clearing away for good.

@@ -29,7 +29,8 @@ impl Weather {
 
     /// The weather at a time not before the last edit.
     ///
-    /// Layers never overlap: where two with different spans would meet on the way, the lower one lifts the upper.
+    /// Layers never overlap: where two would meet on the way, the lower one lifts the upper (those that leave stand last in
+    /// the list, so that none that stays is lifted by one that is suddenly gone).
     pub fn at(&self, now_s: f64) -> WeatherState {
         let mut layers: Vec<LayerState> = Vec::with_capacity(self.layers.len());
         for layer in self.layers.iter().filter(|layer| !layer.gone(now_s)) {
@@ -86,18 +87,8 @@ impl Weather {
             layer.aim(spec, here, span);
         }
         let matched = self.layers.len().min(list.len());
-        // A layer that leaves makes room above those that stay; one that appears comes from above those that were.
-        let mut floor_m = list.last().map_or(f64::NEG_INFINITY, |top| top.base_m + top.thickness_m);
-        for layer in &mut self.layers[matched..] {
-            floor_m = layer.leave(floor_m, span);
-        }
-        let mut floor_m =
-            self.at(span.begin_s).layers.last().map_or(f64::NEG_INFINITY, |top| top.base_m + top.thickness_m);
-        for spec in &list[matched..] {
-            let layer = Layer::appearing(spec, floor_m, here, span);
-            floor_m = layer.at(span.begin_s).base_m + spec.thickness_m;
-            self.layers.push(layer);
-        }
+        self.layers[matched..].iter_mut().for_each(|layer| layer.leave(span));
+        self.layers.extend(list[matched..].iter().map(|spec| Layer::appearing(spec, here, span)));
     }
 
     /// Single layers: only what an edit names turns to a new value, the rest goes on as it was.

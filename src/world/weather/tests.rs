@@ -200,6 +200,19 @@ fn an_edit_of_one_quantity_disturbs_no_other() {
 }
 
 #[test]
+fn a_layer_that_rises_lifts_the_one_above_that_is_slower() {
+    let weather = played(&[
+        (0.0, list(&[spec(CloudKind::Cumulus, 1000.0, 500.0, 0.2), spec(CloudKind::Cirrus, 3000.0, 500.0, 0.2)], 0.0)),
+        (10.0, change(LayerChange { index: 1, base_m: Some(8000.0), ..Default::default() }, 100.0)),
+        (20.0, change(LayerChange { index: 0, base_m: Some(6000.0), ..Default::default() }, 5.0)),
+    ]);
+    // 5000 m in 5 s at 1.5 times the mean speed, times the coverage of 0.2.
+    assert_no_jump(&weather, 9.0, 120.0, 500.0);
+    assert_eq!(weather(25.0).layers[1].base_m, 6500.0, "lifted");
+    assert_eq!(weather(110.0).layers[1].base_m, 8000.0, "and in the end where it was sent");
+}
+
+#[test]
 fn contradictions_are_refused_and_change_nothing() {
     let mut weather = Weather::clear();
     weather
