@@ -158,3 +158,6 @@ fn definitions(schema: &mut Value) -> Map<String, Value> {
 pub fn of<T: JsonSchema>() -> Value {
     schemars::schema_for!(T).to_value()
 }
+
+#[cfg(test)]
+mod tests;
