@@ -2,8 +2,11 @@
 //!
 //! Exit codes: 0 done, 1 the run failed, 2 the command line or a file is wrong.
 
+mod check;
+mod executor;
 mod host;
 mod progress;
+mod render;
 mod scenario;
 
 use clap::{Parser, Subcommand};
@@ -11,14 +14,16 @@ use std::process::ExitCode;
 
 /// A headless visual-system server for flight simulators: draws the sky around the ownship and streams the pictures.
 #[derive(Debug, Parser)]
-#[command(version, args_conflicts_with_subcommands = true)]
+#[command(version)]
 struct CommandLine {
     #[command(subcommand)]
-    verb: Option<Verb>,
+    verb: Verb,
 }
 
 #[derive(Debug, Subcommand)]
 enum Verb {
+    Render(render::Options),
+    Check(check::Options),
     Host(host::Options),
 }
 
@@ -47,8 +52,9 @@ pub fn main() -> ExitCode {
     // clap prints its own complaints, and ends with 2 for a wrong command line and 0 for --help and --version.
     let CommandLine { verb } = CommandLine::parse();
     let outcome = match verb {
-        Some(Verb::Host(options)) => host::run(&options),
-        None => Ok(()),
+        Verb::Render(options) => render::run(&options),
+        Verb::Check(options) => check::run(&options),
+        Verb::Host(options) => host::run(&options),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

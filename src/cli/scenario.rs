@@ -1,15 +1,13 @@
 //! Scenarios by file or by the name of a built-in one, with everything that is wrong with them.
 
 use super::Failure;
+use crate::settings::BUILT_IN_SCENARIOS;
 use crate::wire::{limits, scenario};
 use crate::world::World;
 use crate::world::timeline::Timeline;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
-
-/// The scenarios inside the binary: those of `config/scenarios`, by the names of their files.
-const BUILT_IN: &[(&str, &str)] = &[];
 
 /// The scenario called `name`: a built-in one, or else a file.
 ///
@@ -20,7 +18,7 @@ pub(super) fn read(name: &str) -> Result<Timeline, Failure> {
         return timeline(text).map_err(|complaints| Failure::Input(listed(name, &complaints)));
     }
     if !Path::new(name).exists() && !name.contains(['/', '.']) {
-        let known: Vec<&str> = BUILT_IN.iter().map(|(name, _)| *name).collect();
+        let known: Vec<&str> = BUILT_IN_SCENARIOS.iter().map(|(name, _)| *name).collect();
         let message = format!("no scenario `{name}`: neither a file nor one of {}", known.join(", "));
         return Err(Failure::Input(message));
     }
@@ -30,7 +28,7 @@ pub(super) fn read(name: &str) -> Result<Timeline, Failure> {
 
 /// The text of a built-in scenario.
 fn built_in(name: &str) -> Option<&'static str> {
-    BUILT_IN.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
+    BUILT_IN_SCENARIOS.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
 }
 
 /// The timeline of a scenario's text, or everything that is wrong with it: first its form, then what the world refuses.
@@ -70,6 +68,16 @@ pub(super) fn text_of(path: &Path, most: usize) -> Result<String, Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_built_in_scenario_is_right_and_is_a_file_of_config() {
+        for (name, text) in BUILT_IN_SCENARIOS {
+            assert_eq!(timeline(text).map(|t| t.entries.is_empty()), Ok(false), "{name}");
+        }
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("config/scenarios");
+        let files = std::fs::read_dir(folder).expect("the scenarios").count();
+        assert_eq!(files, BUILT_IN_SCENARIOS.len(), "a scenario of config/scenarios is not built in");
+    }
 
     #[test]
     fn an_endless_or_binary_file_is_refused() {
