@@ -1,13 +1,15 @@
-//! What the render thread is given: the newest snapshot while running free, a bounded queue of steps in lockstep.
+//! What the render thread is given: a snapshot when it asks for one while running free, a bounded queue of steps in lockstep.
 //!
-//! While running free a newer snapshot replaces an older one that nobody has taken. Each snapshot's shutter therefore
-//! opens where the last *taken* one closed, so that a flash shorter than a frame is never lost between two frames.
+//! Running free, a snapshot is taken when the render thread is *hungry* and not before: it is the newest there can be, and
+//! none is taken in vain, so that a flash that begins with a picture has one.
 
 use super::step::StepGuard;
+use super::strikes::{Strikes, lit};
 use crate::world::snapshot::Snapshot;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
+use tokio::sync::Notify;
 
 /// A snapshot on its way, with the stamps of its past.
 #[derive(Clone)]
@@ -35,44 +37,58 @@ struct State {
     newest: Option<Posted>,
     steps: VecDeque<(Posted, Arc<StepGuard>)>,
     wanted: BTreeMap<String, f64>,
-    taken_until_s: f64,
+    hungry: bool,
     stop: bool,
 }
 
 /// The mailbox between the world task and the render thread.
-#[derive(Default)]
 pub(super) struct Inbox {
     state: Mutex<State>,
     changed: Condvar,
+    hunger: Notify,
+    strikes: Arc<Strikes>,
 }
 
 impl Inbox {
-    /// Replaces the newest snapshot. `make` is given the simulation time up to which light has been gathered.
-    pub(super) fn post(&self, make: impl FnOnce(f64) -> Posted) -> Posted {
+    /// `strikes` is told which flashes a snapshot shows from the moment at which it is posted.
+    pub(super) fn new(strikes: Arc<Strikes>) -> Self {
+        Self { state: Mutex::default(), changed: Condvar::new(), hunger: Notify::new(), strikes }
+    }
+
+    /// Waits until the render thread is ready for a snapshot of the free-running time.
+    pub(super) async fn hungry(&self) {
+        loop {
+            let hunger = self.hunger.notified();
+            if self.lock().hungry {
+                return;
+            }
+            hunger.await;
+        }
+    }
+
+    /// The highest rate at which anybody wants any view; `None` when nobody wants one.
+    pub(super) fn fastest_hz(&self) -> Option<f64> {
+        self.lock().wanted.values().copied().reduce(f64::max)
+    }
+
+    /// Gives the hungry render thread a snapshot.
+    pub(super) fn post(&self, posted: Posted) {
+        self.hold(&posted);
         let mut state = self.lock();
-        let posted = make(state.taken_until_s);
-        state.newest = Some(posted.clone());
+        state.hungry = false;
+        state.newest = Some(posted);
         drop(state);
         self.changed.notify_one();
-        posted
     }
 
     /// Queues a step. The caller bounds how many are under way.
-    pub(super) fn push_step(&self, guard: Arc<StepGuard>, make: impl FnOnce(f64) -> Posted) -> Posted {
+    pub(super) fn push_step(&self, posted: Posted, guard: Arc<StepGuard>) {
+        self.hold(&posted);
         let mut state = self.lock();
-        let posted = make(state.taken_until_s);
-        // A snapshot of the free-running time before must not be drawn between two steps.
-        state.newest = None;
-        state.taken_until_s = posted.snapshot.simulation_time_s;
-        state.steps.push_back((posted.clone(), guard));
+        state.hungry = false;
+        state.steps.push_back((posted, guard));
         drop(state);
         self.changed.notify_one();
-        posted
-    }
-
-    /// The time jumped (scenario loaded, sought): light is gathered from here on.
-    pub(super) fn restart_at(&self, simulation_time_s: f64) {
-        self.lock().taken_until_s = simulation_time_s;
     }
 
     /// The views that somebody wants, each with the highest rate wanted.
@@ -84,9 +100,9 @@ impl Inbox {
     pub(super) fn stop(&self) {
         let mut state = self.lock();
         state.stop = true;
-        // Steps that will not be drawn give up their guards here, outside of no one's lock but ours.
         let dropped = std::mem::take(&mut state.steps);
         drop(state);
+        // Outside the lock: steps that will not be drawn answer their host.
         drop(dropped);
         self.changed.notify_all();
     }
@@ -98,7 +114,7 @@ impl Inbox {
     /// Sleeps until the server stops, at most `limit`.
     pub(super) fn pause(&self, limit: Duration) {
         let state = self.lock();
-        let _unused = self.changed.wait_timeout_while(state, limit, |state| !state.stop);
+        let _waited = self.changed.wait_timeout_while(state, limit, |state| !state.stop);
     }
 
     /// The next work; waits for it at most `limit` (`None`: for ever). `free`: whether a free-running round is welcome.
@@ -108,21 +124,22 @@ impl Inbox {
             if state.stop {
                 return Work::Stop;
             }
+            // First: it is older than any step that waits.
+            if let Some(posted) = state.newest.take() {
+                return Work::Free(posted, state.wanted.clone());
+            }
             if let Some((posted, guard)) = state.steps.pop_front() {
                 return Work::Step(posted, guard);
             }
-            if free
-                && !state.wanted.is_empty()
-                && let Some(posted) = state.newest.take()
-            {
-                state.taken_until_s = posted.snapshot.simulation_time_s;
-                return Work::Free(posted, state.wanted.clone());
+            if free && !state.wanted.is_empty() && !state.hungry {
+                state.hungry = true;
+                self.hunger.notify_one();
             }
             state = match limit {
                 None => self.changed.wait(state).unwrap_or_else(PoisonError::into_inner),
                 Some(limit) => {
-                    let (state, waited) =
-                        self.changed.wait_timeout(state, limit).unwrap_or_else(PoisonError::into_inner);
+                    let waited = self.changed.wait_timeout(state, limit);
+                    let (state, waited) = waited.unwrap_or_else(PoisonError::into_inner);
                     if waited.timed_out() {
                         return Work::Nothing;
                     }
@@ -130,6 +147,11 @@ impl Inbox {
                 }
             };
         }
+    }
+
+    /// Holds the flashes of a snapshot until its frames are under way: see `RenderThread::release`.
+    fn hold(&self, posted: &Posted) {
+        lit(&posted.snapshot).for_each(|id| self.strikes.taken(id));
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {

@@ -68,7 +68,11 @@ pub(super) struct ViewCounts {
 impl ViewCounts {
     /// A frame is out.
     pub(super) fn frame(&mut self, stamps: &LatencyStamps, repeated: bool) {
-        if repeated { self.repeated += 1 } else { self.drawn += 1 }
+        if repeated {
+            self.repeated += 1
+        } else {
+            self.drawn += 1
+        }
         self.finished_us.push_back(stamps.finished_us);
         if self.finished_us.len() > RATE_FRAMES {
             self.finished_us.pop_front();

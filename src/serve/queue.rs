@@ -1,6 +1,7 @@
 //! What waits to be written to one client: texts and frames, both bounded; nobody who fills it ever waits for the client.
 
 use super::step::StepGuard;
+use crate::frame::Frame;
 use crate::wire::control::{Format, WhenSlow};
 use axum::body::Bytes;
 use std::collections::VecDeque;
@@ -12,11 +13,13 @@ const TEXTS: usize = 256;
 
 /// One copy of a frame for one client.
 pub(super) struct Copy {
-    /// Header and picture, shared by all who take this format.
-    pub(super) bytes: Bytes,
-    pub(super) view: Arc<str>,
-    pub(super) number: u64,
+    pub(super) frame: Arc<Frame>,
+    /// The picture, shared by all who take this format.
+    pub(super) picture: Bytes,
     pub(super) format: Format,
+    pub(super) encoded_us: u64,
+    /// The last frame that this client gets of a step.
+    pub(super) last_of_step: bool,
     /// The step that waits for it: such a copy is never dropped.
     pub(super) guard: Option<Arc<StepGuard>>,
 }
@@ -94,7 +97,7 @@ impl Queue {
         if state.closed || state.close.is_some() {
             return Pushed::Disconnecting;
         }
-        let droppable = |waiting: &Copy| waiting.guard.is_none() && waiting.view == copy.view;
+        let droppable = |waiting: &Copy| waiting.guard.is_none() && waiting.frame.view == copy.frame.view;
         let full = copy.guard.is_none()
             && state.frames.iter().filter(|waiting| droppable(waiting)).count() >= self.frames_per_view;
         let pushed = match (full, when_slow) {
@@ -153,13 +156,16 @@ impl Queue {
     pub(super) async fn room(&self) {
         loop {
             let drained = self.drained.notified();
-            let state = self.lock();
-            if state.texts.len() < TEXTS || state.closed {
+            if self.has_room() {
                 return;
             }
-            drop(state);
             drained.await;
         }
+    }
+
+    fn has_room(&self) -> bool {
+        let state = self.lock();
+        state.texts.len() < TEXTS || state.closed
     }
 
     /// Frames waiting.
@@ -193,15 +199,29 @@ pub(super) const AWAY: u16 = 1001;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::frame::{LatencyStamps, Pixels};
 
     fn copy(view: &str, number: u64, guard: Option<Arc<StepGuard>>) -> Copy {
-        Copy { bytes: Bytes::new(), view: view.into(), number, format: Format::Raw, guard }
+        let frame = Frame {
+            view: view.into(),
+            number,
+            host_frame: 0,
+            simulation_time_s: 0.0,
+            width: 0,
+            height: 0,
+            pixels: Arc::new(Pixels::Srgb8(Vec::new())),
+            provisional: false,
+            repeated: false,
+            stamps: LatencyStamps::default(),
+        };
+        let (frame, picture) = (Arc::new(frame), Bytes::new());
+        Copy { frame, picture, format: Format::Raw, encoded_us: 0, last_of_step: false, guard }
     }
 
     fn waiting(queue: &Queue) -> Vec<(String, u64)> {
         std::iter::from_fn(|| queue.pop())
             .map(|item| match item {
-                Item::Frame(copy) => (copy.view.to_string(), copy.number),
+                Item::Frame(copy) => (copy.frame.view.clone(), copy.frame.number),
                 Item::Text(text) => (text, 0),
                 Item::Close(code, _) => ("closed".into(), code.into()),
             })

@@ -5,6 +5,7 @@ use super::metrics::Metrics;
 use super::pacer::Pacer;
 use super::ring::{Ring, Slot};
 use super::step::StepGuard;
+use super::strikes::{Strikes, lit};
 use crate::frame::{Frame, LatencyStamps, Pixels};
 use crate::plan::executor::{Executor, Fault};
 use crate::plan::{FramePlan, Output, plan};
@@ -30,7 +31,7 @@ pub(super) enum Rendered {
         /// The step that waits for its copies.
         guard: Option<Arc<StepGuard>>,
     },
-    /// A fault ate the frame of this snapshot.
+    /// One frame fewer will show this snapshot: a fault ate it, or its round is planned and no more will follow.
     Lost(Arc<Snapshot>),
 }
 
@@ -54,6 +55,7 @@ pub(super) struct RenderThread {
     executor: Option<Box<dyn Executor>>,
     inbox: Arc<Inbox>,
     metrics: Arc<Metrics>,
+    strikes: Arc<Strikes>,
     out: mpsc::Sender<Rendered>,
     tracks: BTreeMap<String, Track>,
     ring: Ring,
@@ -69,6 +71,7 @@ impl RenderThread {
         mut factory: ExecutorFactory,
         inbox: Arc<Inbox>,
         metrics: Arc<Metrics>,
+        strikes: Arc<Strikes>,
         out: mpsc::Sender<Rendered>,
     ) -> Result<Self, Fault> {
         let executor = factory()?;
@@ -79,6 +82,7 @@ impl RenderThread {
             executor: Some(executor),
             inbox,
             metrics,
+            strikes,
             out,
             tracks: BTreeMap::new(),
             ring: Ring::default(),
@@ -101,11 +105,15 @@ impl RenderThread {
                 Work::Stop => break,
                 Work::Nothing if self.inbox.stopped() => break,
                 Work::Nothing => {}
-                Work::Free(posted, wanted) => self.round(&posted, None, &wanted),
+                Work::Free(posted, wanted) => {
+                    self.round(&posted, None, &wanted);
+                    self.release(posted);
+                }
                 Work::Step(posted, guard) => {
                     let all = posted.snapshot.views.iter().map(|view| (view.name.clone(), f64::INFINITY)).collect();
                     self.round(&posted, Some(&guard), &all);
                     guard.all_submitted();
+                    self.release(posted);
                 }
             }
             let wait = self.ring.drawing() >= self.depth();
@@ -144,11 +152,20 @@ impl RenderThread {
             let track = self.track(&view.name);
             let repeats = track.last_plan.as_ref() == Some(&plan);
             track.last_plan = Some(Arc::clone(&plan));
+            lit(snapshot).for_each(|id| self.strikes.taken(id));
             let slot = Slot::new(view.name.clone(), plan, posted.clone(), guard.cloned(), repeats);
             let ticket = self.ring.push(slot);
             if !repeats {
                 self.submit(ticket);
             }
+        }
+    }
+
+    /// The inbox held the flashes of this snapshot until its frames were under way.
+    fn release(&mut self, posted: Posted) {
+        if lit(&posted.snapshot).next().is_some() {
+            // A closed channel is noticed by the next frame.
+            let _closed = self.out.blocking_send(Rendered::Lost(posted.snapshot));
         }
     }
 

@@ -51,6 +51,11 @@ impl Roles {
         self.lock().as_ref().is_some_and(|(holder, _)| *holder == client)
     }
 
+    /// The host's number.
+    pub(super) fn host_id(&self) -> Option<ClientId> {
+        self.lock().as_ref().map(|(holder, _)| *holder)
+    }
+
     /// The host's name.
     pub(super) fn host_name(&self) -> Option<String> {
         self.lock().as_ref().map(|(_, name)| name.clone())

@@ -3,6 +3,8 @@
 //! Both rules sit in the byte stream itself, below HTTP and WebSocket, so that no protocol state (a half-sent header, a
 //! client that vanished without a word) can keep a connection or its task.
 
+use axum::extract::connect_info::Connected;
+use axum::serve::IncomingStream;
 use std::future::Future;
 use std::io;
 use std::net::SocketAddr;
@@ -59,6 +61,16 @@ impl axum::serve::Listener for Doorman {
 
     fn local_addr(&self) -> io::Result<SocketAddr> {
         self.listener.local_addr()
+    }
+}
+
+/// Where a connection comes from.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Peer(pub(super) SocketAddr);
+
+impl Connected<IncomingStream<'_, Doorman>> for Peer {
+    fn connect_info(stream: IncomingStream<'_, Doorman>) -> Self {
+        Self(*stream.remote_addr())
     }
 }
 

@@ -3,8 +3,14 @@
 //! A flash is *taken* when a snapshot with its light goes to the render thread, *shown* when a frame of that snapshot is
 //! out, *lost* when a fault ate the frame. It is missed when it is over and no taken frame can show it any more.
 
+use crate::world::snapshot::Snapshot;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// The flashes that give light in a snapshot.
+pub(super) fn lit(snapshot: &Snapshot) -> impl Iterator<Item = u64> + '_ {
+    snapshot.flashes.iter().filter(|flash| flash.intensity_cd > 0.0).map(|flash| flash.id)
+}
 
 #[derive(Default)]
 struct Track {
@@ -28,7 +34,7 @@ impl Strikes {
     /// A frame that shows this flash is out. True for the first one.
     pub(super) fn shown(&self, id: u64) -> bool {
         let mut tracks = self.lock();
-        let track = tracks.entry(id).or_default();
+        let Some(track) = tracks.get_mut(&id) else { return false };
         track.under_way = track.under_way.saturating_sub(1);
         let first = !std::mem::replace(&mut track.shown, true);
         if track.ended && track.under_way == 0 {

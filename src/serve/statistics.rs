@@ -1,0 +1,69 @@
+//! The numbers of `/metrics` as messages: the statistics query, and telemetry about once a second.
+
+use super::app::App;
+use super::metrics::ViewCounts;
+use crate::wire::control;
+use crate::wire::control::out::{DelayStatistics, Outbound, Statistics, Telemetry, ViewStatistics};
+use std::sync::atomic::Ordering::Relaxed;
+use std::time::Duration;
+use tokio::time::MissedTickBehavior;
+
+/// Between two telemetry messages.
+const TELEMETRY_EVERY: Duration = Duration::from_secs(1);
+
+/// Answers the statistics query.
+pub(super) fn statistics(app: &App, seq: Option<u64>) -> Statistics {
+    let metrics = &app.metrics;
+    Statistics {
+        seq,
+        uptime_s: metrics.now_us() as f64 * 1e-6,
+        executor: metrics.executor(),
+        clients: metrics.clients.load(Relaxed).try_into().unwrap_or(u32::MAX),
+        host: app.roles.host_id(),
+        messages: metrics.messages.load(Relaxed),
+        refused: metrics.refusals.load(Relaxed) + metrics.unsaid.load(Relaxed),
+        faults: metrics.faults.load(Relaxed),
+        views: view_statistics(app),
+        subscriptions: app.hub.clients().iter().flat_map(|client| client.statistics()).collect(),
+    }
+}
+
+/// Tells every client that subscribed to anything how its frames are doing, until the server stops.
+pub(super) async fn telemetry(app: std::sync::Arc<App>) {
+    let mut tick = tokio::time::interval(TELEMETRY_EVERY);
+    tick.set_missed_tick_behavior(MissedTickBehavior::Delay);
+    loop {
+        tokio::select! {
+            () = app.stop.cancelled() => return,
+            _ = tick.tick() => {}
+        }
+        let views = view_statistics(&app);
+        for client in app.hub.clients() {
+            let subscriptions = client.statistics();
+            if subscriptions.is_empty() {
+                continue;
+            }
+            let simulation_time_s = app.metrics.simulation_time_s();
+            let message = Telemetry { simulation_time_s, views: views.clone(), subscriptions };
+            if !client.queue.push_event(control::encode(&Outbound::Telemetry(message))) {
+                app.metrics.events_dropped.fetch_add(1, Relaxed);
+            }
+        }
+    }
+}
+
+fn view_statistics(app: &App) -> Vec<ViewStatistics> {
+    let now_us = app.metrics.now_us();
+    let one = |(view, counts): (String, ViewCounts)| ViewStatistics {
+        view,
+        frames: counts.drawn + counts.repeated,
+        repeated: counts.repeated,
+        rate_hz: counts.rate_hz(now_us),
+        delay: (counts.delay.kept() > 0).then(|| DelayStatistics {
+            median_ms: counts.delay.quantile_s(0.5) * 1e3,
+            p99_ms: counts.delay.quantile_s(0.99) * 1e3,
+            frames: counts.delay.kept() as u32,
+        }),
+    };
+    app.metrics.views().into_iter().map(one).collect()
+}

@@ -1,0 +1,271 @@
+//! The one task that owns the world: commands in order, time by the wall clock or by the host's steps, snapshots out.
+
+use super::fan_out::missed;
+use super::hub::Hub;
+use super::inbox::{Inbox, Posted};
+use super::metrics::Metrics;
+use super::step::{Outcome, StepGuard};
+use super::strikes::Strikes;
+use crate::wire::control::out::Player;
+use crate::wire::limits;
+use crate::world::World;
+use crate::world::command::{Command, ScenarioEdit};
+use crate::world::event::{Applied, Refused};
+use crate::world::snapshot::Snapshot;
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::sync::atomic::Ordering::Relaxed;
+use std::time::{Duration, Instant};
+use tokio::sync::{mpsc, oneshot};
+use tokio::time::MissedTickBehavior;
+use tokio_util::sync::CancellationToken;
+
+/// How a step's answer finds its host; must not block.
+pub(super) type StepAnswer = Box<dyn FnOnce(Outcome) + Send>;
+
+/// What the world task is asked.
+pub(super) enum Request {
+    /// A command of the host, read from its socket at `received_us`.
+    Apply { command: Command, received_us: u64, reply: oneshot::Sender<Result<Applied, Refused>> },
+    /// Lockstep: `answer` is called when the step is done, `reply` at once says whether it was accepted.
+    Step { to_s: f64, answer: StepAnswer, reply: oneshot::Sender<Result<(), Refused>> },
+    /// The world now.
+    State { reply: oneshot::Sender<State> },
+}
+
+/// The world at one moment, with its player.
+pub(super) struct State {
+    pub(super) snapshot: Arc<Snapshot>,
+    pub(super) player: Player,
+    /// Frames are drawn at steps only.
+    pub(super) lockstep: bool,
+}
+
+/// Between two looks at the world while nobody wants a picture.
+const HEARTBEAT: Duration = Duration::from_millis(100);
+/// Free-running intervals that are remembered.
+const INTERVALS: usize = 8;
+
+pub(super) struct WorldTask {
+    world: World,
+    inbox: Arc<Inbox>,
+    hub: Arc<Hub>,
+    metrics: Arc<Metrics>,
+    strikes: Arc<Strikes>,
+    rate_hz: f64,
+    shutter_s: Option<f64>,
+    lockstep: bool,
+    received_us: u64,
+    /// Up to when the wall clock has been followed.
+    followed: Instant,
+    /// When the newest free-running snapshot was taken.
+    drawn: Instant,
+    /// Between the newest free-running snapshots, in seconds of wall clock.
+    intervals_s: VecDeque<f64>,
+}
+
+impl WorldTask {
+    /// `rate_hz`: most snapshots a second while running free. `shutter_s`: how long each gathers light; `None`: as long as
+    /// frames are apart.
+    pub(super) fn new(
+        world: World,
+        inbox: Arc<Inbox>,
+        hub: Arc<Hub>,
+        metrics: Arc<Metrics>,
+        strikes: Arc<Strikes>,
+        rate_hz: f64,
+        shutter_s: Option<f64>,
+    ) -> Self {
+        let (followed, drawn) = (Instant::now(), Instant::now());
+        let (lockstep, received_us, intervals_s) = (false, 0, VecDeque::new());
+        Self {
+            world,
+            inbox,
+            hub,
+            metrics,
+            strikes,
+            rate_hz,
+            shutter_s,
+            lockstep,
+            received_us,
+            followed,
+            drawn,
+            intervals_s,
+        }
+    }
+
+    /// Applies a command before anybody is connected (the scenario that the server starts with).
+    ///
+    /// # Errors
+    /// The world's refusal.
+    pub(super) fn begin_with(&mut self, command: Command) -> Result<(), Refused> {
+        self.apply(command).map(|_| ())
+    }
+
+    pub(super) async fn run(mut self, mut requests: mpsc::Receiver<Request>, stop: CancellationToken) {
+        let mut heartbeat = tokio::time::interval(HEARTBEAT);
+        heartbeat.set_missed_tick_behavior(MissedTickBehavior::Delay);
+        self.followed = Instant::now();
+        let mut next = tokio::time::Instant::now();
+        let inbox = Arc::clone(&self.inbox);
+        loop {
+            let hungry = async {
+                tokio::time::sleep_until(next).await;
+                inbox.hungry().await;
+            };
+            tokio::select! {
+                () = stop.cancelled() => break,
+                request = requests.recv() => match request {
+                    None => break,
+                    Some(request) => self.handle(request),
+                },
+                () = hungry, if !self.lockstep => {
+                    let rate_hz = self.inbox.fastest_hz().map_or(self.rate_hz, |wanted| wanted.min(self.rate_hz));
+                    // On the beat while it is kept; from now on when the drawing could not.
+                    let now = tokio::time::Instant::now();
+                    let period = Duration::from_secs_f64(1.0 / rate_hz);
+                    next = if now > next + period { now } else { next } + period;
+                    self.draw_free();
+                }
+                _ = heartbeat.tick() => self.follow(),
+            }
+        }
+        self.inbox.stop();
+    }
+
+    fn handle(&mut self, request: Request) {
+        self.follow();
+        // Whoever asked may be gone by now; what was asked counts all the same.
+        match request {
+            Request::Apply { command, received_us, reply } => {
+                let result = self.apply(command);
+                if result.is_ok() {
+                    self.received_us = received_us;
+                }
+                let _gone = reply.send(result);
+            }
+            Request::Step { to_s, answer, reply } => {
+                let _gone = reply.send(self.step(to_s, answer));
+            }
+            Request::State { reply } => {
+                let snapshot = Arc::new(self.world.peek(self.free_shutter_s()));
+                let _gone = reply.send(State { snapshot, player: self.player(), lockstep: self.lockstep });
+            }
+        }
+    }
+
+    fn apply(&mut self, command: Command) -> Result<Applied, Refused> {
+        let scenario = match &command {
+            Command::Scenario(edit) => Some(edit.clone()),
+            _ => None,
+        };
+        let applied = self.world.apply(command)?;
+        match scenario {
+            Some(ScenarioEdit::Load(timeline)) => {
+                tracing::info!(scenario = timeline.name, duration_s = timeline.duration_s, "scenario loaded");
+            }
+            Some(ScenarioEdit::Play) if self.lockstep => {
+                self.lockstep = false;
+                tracing::info!("running free again");
+            }
+            _ => {}
+        }
+        self.settle();
+        Ok(applied)
+    }
+
+    /// Lets simulation time follow the wall clock while running free.
+    fn follow(&mut self) {
+        let passed_s = self.followed.elapsed().as_secs_f64();
+        self.followed += Duration::from_secs_f64(passed_s);
+        if !self.lockstep && self.world.playing() {
+            self.world.advance_to(self.world.simulation_time_s() + passed_s * self.world.speed());
+        }
+        self.settle();
+    }
+
+    fn draw_free(&mut self) {
+        self.follow();
+        let interval_s = self.drawn.elapsed().as_secs_f64();
+        self.drawn = Instant::now();
+        if interval_s > limits::SHUTTER_S.max {
+            // A pause in which nobody wanted a picture, not a rate.
+            self.intervals_s.clear();
+        } else {
+            self.intervals_s.push_back(interval_s);
+        }
+        if self.intervals_s.len() > INTERVALS {
+            self.intervals_s.pop_front();
+        }
+        let shutter_s = self.free_shutter_s();
+        let posted = self.take(shutter_s);
+        self.inbox.post(posted);
+    }
+
+    fn step(&mut self, to_s: f64, answer: StepAnswer) -> Result<(), Refused> {
+        let now_s = self.world.simulation_time_s();
+        if !(to_s >= now_s) {
+            return Err(Refused::new("to_s", to_s, format!("at least {now_s}"), "a step cannot go back in time"));
+        }
+        if self.metrics.steps_waiting.load(Relaxed) >= limits::STEPS_WAITING as u64 {
+            let limit = format!("{} steps", limits::STEPS_WAITING);
+            return Err(Refused::new("to_s", to_s, limit, "too many steps are waiting: await `stepped`"));
+        }
+        if !self.lockstep {
+            self.lockstep = true;
+            tracing::info!("lockstep: time moves by the host's steps");
+        }
+        self.metrics.steps_waiting.fetch_add(1, Relaxed);
+        let metrics = Arc::clone(&self.metrics);
+        let guard = Arc::new(StepGuard::new(move |outcome| {
+            metrics.steps_waiting.fetch_sub(1, Relaxed);
+            metrics.steps.fetch_add(1, Relaxed);
+            answer(outcome);
+        }));
+        self.world.advance_to(to_s);
+        self.settle();
+        // The next step is taken to be as long as this one: with equal steps no light is lost and none counted twice.
+        let shutter_s = if to_s > now_s { to_s - now_s } else { 1.0 / self.rate_hz };
+        let shutter_s = self.shutter_s.unwrap_or(shutter_s).clamp(limits::SHUTTER_S.min, limits::SHUTTER_S.max);
+        let posted = self.take(shutter_s);
+        self.inbox.push_step(posted, guard);
+        Ok(())
+    }
+
+    fn take(&mut self, shutter_s: f64) -> Posted {
+        let snapshot = Arc::new(self.world.snapshot(shutter_s));
+        Posted { snapshot, received_us: self.received_us, snapshot_us: self.metrics.now_us() }
+    }
+
+    /// Until the next snapshot, most likely: the longest of the newest intervals, so that no light falls between frames.
+    fn free_shutter_s(&self) -> f64 {
+        if let Some(shutter_s) = self.shutter_s {
+            return shutter_s;
+        }
+        let longest_s = self.intervals_s.iter().copied().fold(1.0 / self.rate_hz, f64::max);
+        (longest_s * self.world.speed()).clamp(limits::SHUTTER_S.min, limits::SHUTTER_S.max)
+    }
+
+    /// Tells of flashes that ended unseen, and of scenario entries that could not be carried out.
+    fn settle(&mut self) {
+        self.metrics.set_simulation_time(self.world.simulation_time_s());
+        for id in self.world.finished_flashes() {
+            if self.strikes.ended(id) {
+                missed(&self.hub, id);
+            }
+        }
+        for (entry, refused) in self.world.take_refusals() {
+            tracing::warn!(entry, %refused, "an entry of the scenario was refused");
+        }
+    }
+
+    fn player(&self) -> Player {
+        let timeline = self.world.timeline();
+        Player {
+            scenario: timeline.map(|timeline| timeline.name.clone()),
+            playing: self.world.playing() && !self.lockstep,
+            speed: self.world.speed(),
+            duration_s: timeline.map(|timeline| timeline.duration_s),
+        }
+    }
+}
