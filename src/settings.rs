@@ -1,28 +1,21 @@
 //! Settings: the configuration file checked as a whole, all complaints at once.
 
+mod scenarios;
+
+pub use scenarios::BUILT_IN_SCENARIOS;
+
 use crate::wire::json::{self, Complaint, Node, Problem, Rule, Size};
-use crate::wire::{limits, scenario, schema};
+use crate::wire::{limits, schema};
 use crate::world::event::Refused;
 use crate::world::snapshot::Quality;
-use crate::world::timeline::Timeline;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
-use std::io::Read;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
 /// The text of `config/default.json`: what holds where nothing is said, on any machine.
 pub const DEFAULT_TEXT: &str = include_str!("../config/default.json");
-
-/// The scenarios inside the binary by name: those of `config/scenarios`.
-pub const BUILT_IN_SCENARIOS: &[(&str, &str)] = &[
-    ("broken-noon-cumulus", include_str!("../config/scenarios/broken-noon-cumulus.json")),
-    ("clear-day", include_str!("../config/scenarios/clear-day.json")),
-    ("night-storm", include_str!("../config/scenarios/night-storm.json")),
-    ("overcast-night-cities", include_str!("../config/scenarios/overcast-night-cities.json")),
-    ("scattered-sunset", include_str!("../config/scenarios/scattered-sunset.json")),
-];
 
 /// What the server is told before it starts.
 #[derive(Clone, Debug, PartialEq)]
@@ -183,37 +176,6 @@ impl Settings {
             found.push(Refused::new("token", "not given", limit, why));
         }
         found
-    }
-
-    /// The scenario of this name: a file of the folder, or one inside the binary where the folder has none.
-    ///
-    /// # Errors
-    /// There is none, it cannot be read, or something is wrong with it.
-    pub fn timeline(&self, name: &str) -> Result<Timeline, Refused> {
-        let limit = "a scenario of the folder or of the program";
-        let refused = |why: String| Refused::new("name", name, limit, why);
-        if name.is_empty() || !name.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'-') {
-            return Err(refused("a name has small letters, digits and - alone".into()));
-        }
-        let path = self.scenario_folder.join(format!("{name}.json"));
-        let mut text = String::new();
-        match std::fs::File::open(&path) {
-            Ok(file) => {
-                // One byte more than allowed tells a file that is too long, however long it is.
-                let most = limits::SCENARIO_BYTES as u64 + 1;
-                file.take(most)
-                    .read_to_string(&mut text)
-                    .map_err(|error| refused(format!("{} cannot be read: {error}", path.display())))?;
-            }
-            Err(error) => match BUILT_IN_SCENARIOS.iter().find(|(known, _)| *known == name) {
-                Some((_, built_in)) => text.push_str(built_in),
-                None => return Err(refused(format!("{} cannot be opened: {error}", path.display()))),
-            },
-        }
-        scenario::parse(&text).map_err(|complaints| {
-            let first = complaints.first().map(ToString::to_string).unwrap_or_default();
-            refused(format!("{} complaints (stormdeck check lists all), the first: {first}", complaints.len()))
-        })
     }
 
     fn from_file(file: SettingsFile, complain: &mut dyn FnMut(Refused)) -> Option<Self> {

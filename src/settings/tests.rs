@@ -3,6 +3,7 @@
 use super::*;
 use crate::wire::control::out::SkyOut;
 use crate::wire::json::parse;
+use crate::wire::scenario;
 use crate::world::World;
 use crate::world::command::{Command, ScenarioEdit};
 use std::sync::Arc;

@@ -117,8 +117,6 @@ pub const DIRECTION_DEG: Range = Range::of(world::WIND_FROM_DEG);
 pub const VISIBILITY_M: Range = Range::of(world::VISIBILITY_M);
 /// Seconds over which weather eases.
 pub const TRANSITION_S: Range = Range::of(world::TRANSITION_S);
-/// Most regions with their own weather.
-pub const REGIONS: usize = world::MAX_REGIONS;
 /// Width or length of a region.
 pub const REGION_SIZE_M: Range = Range::of(world::REGION_SIZE_M);
 /// Corner radius of a region; besides at most half of its smaller size.
@@ -139,8 +137,6 @@ pub const SPEED: Range = Range::of(world::SPEED);
 
 // --- Views ---
 
-/// Most views.
-pub const VIEWS: usize = world::MAX_VIEWS;
 /// Width or height of a picture.
 pub const SIZE_PX: Whole = Whole::new(world::VIEW_SIZE_PX[0] as u64, world::VIEW_SIZE_PX[1] as u64);
 /// Horizontal field of view of a flat picture.
@@ -152,8 +148,6 @@ pub const EV100: Range = Range::of(world::EV100);
 
 // --- Strikes ---
 
-/// Most flashes that wait or shine at once.
-pub const FLASHES: usize = world::MAX_PENDING_STRIKES;
 /// Height of a flash's light above the ellipsoid.
 pub const STRIKE_ALTITUDE_M: Range = Range::of(world::STRIKE_ALTITUDE_M);
 /// Peak current of a stroke; bounds of measurements are about 2 and 300 kA, 500 kA in the tropics (CIGRE TB 549).

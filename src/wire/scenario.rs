@@ -169,3 +169,6 @@ fn command(entry: Value) -> Result<Command, Refused> {
         _ => Err(Refused::new("type", "another message", "one that changes the world", "not for scenarios")),
     }
 }
+
+#[cfg(test)]
+mod tests;
