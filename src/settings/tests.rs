@@ -173,3 +173,18 @@ fn random_bytes_never_panic() {
         assert!(parse(&text, size).is_ok_and(|parsed| parsed.problems.is_empty()) || Settings::parse(&text).is_err());
     }
 }
+
+#[test]
+fn the_committed_schema_is_current_and_can_be_checked_by() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("config/settings.schema.json");
+    let now = schema::text(&file_schema());
+    if std::env::var_os("UPDATE_SCHEMA").is_some_and(|value| value == "1") {
+        std::fs::write(&path, &now).expect("a schema that can be written");
+    }
+    let found = std::fs::read_to_string(&path).unwrap_or_default();
+    assert!(
+        found == now,
+        "config/settings.schema.json is not what the types say; run: UPDATE_SCHEMA=1 cargo test schema"
+    );
+    assert_eq!(Rule::from_schema(&file_schema()).err(), None);
+}

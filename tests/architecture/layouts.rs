@@ -48,7 +48,7 @@ pub fn complaints(sources: &[Source], modules: &[Module]) -> Vec<String> {
             }
         };
         let twins: Vec<_> =
-            modules.iter().filter_map(|m| Some((&m.path, in_wgsl(&m.module, &declared.name)?))).collect();
+            modules.iter().filter_map(|m| Some((&m.name, in_wgsl(&m.module, &declared.name)?))).collect();
         if twins.is_empty() != declared.excused {
             complaints.push(match declared.excused {
                 true => format!("{place}: has a WGSL struct, but is excused from one"),
@@ -57,8 +57,8 @@ pub fn complaints(sources: &[Source], modules: &[Module]) -> Vec<String> {
         }
         let differs = |twin: &Layout| twin.size != layout.size || twin.without_padding() != layout.without_padding();
         // Every shader holds its own copy of a shared struct: the first that differs says it all.
-        if let Some((path, twin)) = twins.iter().find(|(_, twin)| differs(twin)) {
-            complaints.push(format!("{place} differs from {path}:\n  Rust {layout:#?}\n  WGSL {twin:#?}"));
+        if let Some((shader, twin)) = twins.iter().find(|(_, twin)| differs(twin)) {
+            complaints.push(format!("{place} differs from shader {shader}:\n  Rust {layout:#?}\n  WGSL {twin:#?}"));
         }
     }
     complaints
@@ -231,7 +231,7 @@ fn kind_of(module: &naga::Module, ty: Handle<Type>) -> String {
 #[cfg(test)]
 fn about(rust: &str, wgsl: &str) -> Vec<String> {
     let module = super::shaders::validated(wgsl).expect("the test's shader");
-    complaints(&[Source::new("src/passes/a/mod.rs", rust)], &[Module { path: "a.wgsl".into(), module }])
+    complaints(&[Source::new("src/passes/a/mod.rs", rust)], &[Module { name: "a".into(), module }])
 }
 
 #[test]

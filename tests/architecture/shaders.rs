@@ -1,30 +1,30 @@
 //! The passes on disk: each folder of `src/passes` has a shader and a twin, or its `mod.rs` says `//! No shader: why` or
-//! `//! No twin: why`; each `.wgsl` file of the repository is valid, joined as the GPU executor joins it.
+//! `//! No twin: why`; each `.wgsl` file of the repository is compiled by the GPU executor, and valid as it joins it.
 
 use super::files::{Source, sources};
 use std::collections::BTreeSet;
 use wgpu::naga;
 
-/// Shared declarations that are put before the text of every pass.
-const COMMON: &str = "src/passes/common.wgsl";
 /// Where passes live.
 const PASSES: &str = "src/passes/";
 
-/// The files under `src/passes`, and every shader of the repository.
+/// The files on disk, and the shaders as the GPU executor compiles them, by name.
 pub struct Passes {
     files: Vec<Source>,
+    joined: Vec<(String, String)>,
 }
 
 /// A shader that naga has read and accepted.
 pub struct Module {
-    pub path: String,
+    pub name: String,
     pub module: naga::Module,
 }
 
 impl Passes {
     /// What is on disk now.
     pub fn on_disk() -> Self {
-        Self { files: sources(&["src", "tests", "benches"]) }
+        let joined = stormdeck::gpu::shaders().into_iter().map(|(name, text)| (name.to_owned(), text)).collect();
+        Self { files: sources(&["src", "tests", "benches"]), joined }
     }
 
     fn text(&self, path: &str) -> Option<&str> {
@@ -40,22 +40,10 @@ impl Passes {
             .collect()
     }
 
-    /// Each shader with its path and the text that the device is given.
-    fn joined(&self) -> Vec<(String, String)> {
-        let common = self.text(COMMON).unwrap_or_default();
-        let shaders = self.files.iter().filter(|f| f.path.ends_with(".wgsl"));
-        shaders
-            .map(|f| match f.path.as_str() {
-                COMMON => (f.path.clone(), common.to_owned()),
-                _ => (f.path.clone(), format!("{common}\n{}", f.text)),
-            })
-            .collect()
-    }
-
     /// The valid shaders, parsed.
     pub fn modules(&self) -> Vec<Module> {
-        let read = |(path, text): (String, String)| Some(Module { path, module: validated(&text).ok()? });
-        self.joined().into_iter().filter_map(read).collect()
+        let read = |(name, text): &(String, String)| Some(Module { name: name.clone(), module: validated(text).ok()? });
+        self.joined.iter().filter_map(read).collect()
     }
 }
 
@@ -71,9 +59,14 @@ pub fn validated(text: &str) -> Result<naga::Module, String> {
 /// Invalid shaders, and passes that lack a part without saying why.
 pub fn complaints(passes: &Passes) -> Vec<String> {
     let mut complaints = Vec::new();
-    for (path, text) in passes.joined() {
-        if let Err(e) = validated(&text) {
-            complaints.push(format!("{path}: {e}"));
+    for (name, text) in &passes.joined {
+        if let Err(e) = validated(text) {
+            complaints.push(format!("shader {name}: {e}"));
+        }
+    }
+    for file in passes.files.iter().filter(|file| file.path.ends_with(".wgsl")) {
+        if !passes.joined.iter().any(|(_, text)| text.contains(&file.text)) {
+            complaints.push(format!("{}: is compiled by nobody", file.path));
         }
     }
     for name in passes.names() {
@@ -97,9 +90,12 @@ pub fn complaints(passes: &Passes) -> Vec<String> {
     complaints
 }
 
+/// The complaints about made-up files, each shader compiled as it stands.
 #[cfg(test)]
 fn about(files: &[(&str, &str)]) -> Vec<String> {
-    complaints(&Passes { files: files.iter().map(|(path, text)| Source::new(path, text)).collect() })
+    let shaders = files.iter().filter(|(path, _)| path.ends_with(".wgsl"));
+    let joined = shaders.map(|(path, text)| (path.to_string(), text.to_string())).collect();
+    complaints(&Passes { files: files.iter().map(|(path, text)| Source::new(path, text)).collect(), joined })
 }
 
 #[test]
@@ -122,6 +118,6 @@ fn an_invalid_shader_is_found() {
     for bad in ["fn f() -> f32 { return 1u; }", "not wgsl", "fn f() { g(); }", "@group(0) @binding(0) var x: f32;"] {
         assert_eq!(about(&[("src/gpu/blit.wgsl", bad)]).len(), 1, "{bad}");
     }
-    let common = (COMMON, "fn g() -> f32 { return 1.0; }");
-    assert_eq!(about(&[common, ("src/gpu/blit.wgsl", "fn f() -> f32 { return g(); }")]), Vec::<String>::new());
+    let stray = Passes { files: vec![Source::new("src/gpu/old.wgsl", "fn f() {}")], joined: Vec::new() };
+    assert_eq!(complaints(&stray).len(), 1, "a shader that nobody compiles");
 }

@@ -110,6 +110,8 @@ pub struct Layer {
 
 /// One instance of the deck's mesh: a piece of a slab's far shell, of a ring, or of the shell where rays leave the layer.
 /// Vertex data; twin of the instance inputs of `deck.wgsl`.
+///
+/// No WGSL struct: its members are attributes of a vertex buffer, each named in the pipeline.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Instance {

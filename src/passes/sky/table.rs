@@ -35,6 +35,8 @@ pub struct TableParams {
 }
 
 /// One texel: red, green, blue in units of the scale, and transmittance.
+///
+/// No WGSL struct: the texture has the format rgba16float.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Texel(pub [f16; 4]);
