@@ -8,20 +8,25 @@ mod host;
 mod progress;
 mod render;
 mod scenario;
+mod serve;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
 /// A headless visual-system server for flight simulators: draws the sky around the ownship and streams the pictures.
 #[derive(Debug, Parser)]
-#[command(version)]
+#[command(version, args_conflicts_with_subcommands = true)]
 struct CommandLine {
     #[command(subcommand)]
-    verb: Verb,
+    verb: Option<Verb>,
+    /// The options of `serve`, the default verb.
+    #[command(flatten)]
+    serve: serve::Options,
 }
 
 #[derive(Debug, Subcommand)]
 enum Verb {
+    Serve(serve::Options),
     Render(render::Options),
     Check(check::Options),
     Host(host::Options),
@@ -50,8 +55,9 @@ impl Failure {
 /// Does what the command line of this process asks for; the binary's whole work.
 pub fn main() -> ExitCode {
     // clap prints its own complaints, and ends with 2 for a wrong command line and 0 for --help and --version.
-    let CommandLine { verb } = CommandLine::parse();
-    let outcome = match verb {
+    let CommandLine { verb, serve } = CommandLine::parse();
+    let outcome = match verb.unwrap_or(Verb::Serve(serve)) {
+        Verb::Serve(options) => serve::run(options),
         Verb::Render(options) => render::run(&options),
         Verb::Check(options) => check::run(&options),
         Verb::Host(options) => host::run(&options),
@@ -73,5 +79,14 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         CommandLine::command().debug_assert();
+    }
+
+    #[test]
+    fn serve_is_the_default_verb_with_its_options() {
+        let line = CommandLine::try_parse_from(["stormdeck", "--listen", "127.0.0.1:0"]).expect("options of serve");
+        assert!(line.verb.is_none());
+        assert!(CommandLine::try_parse_from(["stormdeck", "--listen", "127.0.0.1:0", "check", "a.json"]).is_err());
+        let line = CommandLine::try_parse_from(["stormdeck", "check", "a.json"]).expect("a verb");
+        assert!(matches!(line.verb, Some(Verb::Check(_))));
     }
 }
