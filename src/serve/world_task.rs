@@ -204,7 +204,8 @@ impl WorldTask {
 
     fn step(&mut self, to_s: f64, answer: StepAnswer) -> Result<(), Refused> {
         let now_s = self.world.simulation_time_s();
-        if !(to_s >= now_s) {
+        // The wire lets no NaN through; were there one, it would be no step.
+        if to_s < now_s || to_s.is_nan() {
             return Err(Refused::new("to_s", to_s, format!("at least {now_s}"), "a step cannot go back in time"));
         }
         if self.metrics.steps_waiting.load(Relaxed) >= limits::STEPS_WAITING as u64 {

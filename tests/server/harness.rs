@@ -160,9 +160,7 @@ fn content_length(head: &str) -> usize {
 }
 
 fn settings() -> Settings {
-    let mut settings = Settings::default();
-    settings.scenario = None;
-    settings
+    Settings { scenario: None, ..Settings::default() }
 }
 
 /// A frame as a client has it.

@@ -64,10 +64,12 @@ async fn a_flood_is_refused_once_a_second_and_the_connection_stays() {
     let mut host = server.host().await;
     let begin = Instant::now();
     const FLOOD: u64 = 10_000;
-    for _ in 0..FLOOD {
+    for sent in 0..FLOOD {
         host.client.send(json!({"type": "query", "what": "nothing"}).to_string()).await.unwrap();
-        // Every refusal is read, so that the answers cannot hold up the flood.
-        while let Ok(Some(_)) = host.client.next_within(std::time::Duration::ZERO).await {}
+        // Refusals are read now and then, so that the answers cannot hold up the flood.
+        while sent % 200 == 0
+            && let Ok(Some(_)) = host.client.next_within(std::time::Duration::ZERO).await
+        {}
     }
     // The last question may itself be refused as part of the flood: it is asked until it is answered.
     let mut answered = false;
@@ -89,7 +91,7 @@ async fn a_flood_is_refused_once_a_second_and_the_connection_stays() {
     // most one a second was answered.
     let most = 1000.0 + 500.0 * seconds + seconds + 2.0;
     assert!(refused <= most, "{refused} refusals in {seconds} s");
-    assert!(unsaid > 0.0 || refused + 3.0 >= messages, "{unsaid} dropped, {refused} refused of {messages}");
+    assert!(unsaid > 0.0, "{refused} refused of {messages}");
     server.stop().await;
 }
 
@@ -129,8 +131,9 @@ async fn queries_tell_the_plan_and_the_numbers() {
 async fn a_scenario_is_loaded_by_name_or_as_a_document() {
     let folder = std::env::temp_dir().join(format!("stormdeck-scenarios-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
-    let scenario =
-        json!({"stormdeck": "scenario", "name": "short", "description": "", "duration_s": 30.0, "entries": []});
+    let view = json!({"at": 0, "type": "view", "action": "change", "name": "main", "size_px": [32, 16]});
+    let scenario = json!({"type": "scenario", "protocol": "stormdeck.v1", "name": "short", "description": "For a test.",
+        "duration_s": 30.0, "entries": [view]});
     std::fs::write(folder.join("short.json"), scenario.to_string()).unwrap();
     let server = Server::start_with(|settings| settings.scenario_folder = folder.clone()).await;
     let mut host = server.host().await;
