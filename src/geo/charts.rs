@@ -53,7 +53,7 @@ pub fn around_eye_m(point: DVec3) -> DVec2 {
 
 /// The charts that have weight anywhere within `extent_m` of the eye (up to 1000 km), nearest first, at most 3.
 ///
-/// `eye_ecef_unit` is the direction of the eye from the Earth's centre and the eye's axis "up"; `east` is made
+/// `eye_ecef_unit` is the eye's direction on the sphere and its axis "up" (the zenith, if zeniths stand for places); `east` is made
 /// perpendicular to it, and north to both. `north` only decides the sense. `drift` is the rotation that has carried the
 /// pattern; the charts are fixed to the pattern.
 pub fn charts_near(eye_ecef_unit: DVec3, east: DVec3, north: DVec3, drift: DQuat, extent_m: f64) -> Vec<ChartView> {

@@ -1,14 +1,15 @@
 //! Drift: where the wind has carried a layer's pattern. A wind is a rigid rotation about the Earth's centre.
 //!
-//! At a reference point P (unit vector) a wind of velocity v at radius R turns the pattern with the angular velocity
-//! omega = P x v / R. A rotation leaves no seam anywhere on the globe. While the wind is constant the drift is
-//! `exp(omega (t - t0)) R0`, evaluated directly from t0, so that ten years in one go are as exact as ten seconds.
-//! From one wind to another it is `exp(omega_new a) exp(omega_old b) R0`, with a and b the seconds of the new and of
-//! the old wind (closed integrals of the easing): position and velocity are continuous through beginning and end.
+//! Places on the globe stand for the directions of their zeniths, as with charts. At a reference point P (unit vector) a
+//! wind of velocity v at radius R turns the pattern with the angular velocity omega = P x v / R. A rotation leaves no seam
+//! anywhere on the globe. While the wind is constant the drift is `exp(omega (t - t0)) R0`, evaluated directly from t0, so
+//! that ten years in one go are as exact as ten seconds. From one wind to another it is
+//! `exp(omega_new a) exp(omega_old b) R0`, with a and b the seconds of the new and of the old wind (closed integrals of the
+//! easing): position and velocity are continuous through beginning and end.
 
 use crate::geo::Geodetic;
 use crate::geo::frames::enu;
-use crate::geo::wgs84::{MEAN_RADIUS_M, to_ecef};
+use crate::geo::wgs84::MEAN_RADIUS_M;
 use glam::{DQuat, DVec2, DVec3};
 
 use super::ease::{Span, mix};
@@ -35,10 +36,9 @@ impl Wind {
 
     /// Angular velocity of the pattern about the Earth's centre in rad/s, ECEF axes.
     pub fn angular_velocity(&self) -> DVec3 {
-        let up = to_ecef(&self.reference).normalize();
         let axes = enu(&self.reference);
         let velocity = self.velocity_mps();
-        up.cross(axes.x_axis * velocity.x + axes.y_axis * velocity.y) / (MEAN_RADIUS_M + self.height_m)
+        axes.z_axis.cross(axes.x_axis * velocity.x + axes.y_axis * velocity.y) / (MEAN_RADIUS_M + self.height_m)
     }
 }
 

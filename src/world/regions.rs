@@ -15,7 +15,7 @@ use super::weather::Weather;
 
 /// A region with its past and its future.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Region {
+pub(super) struct Region {
     old_shape: RegionShape,
     shape: RegionShape,
     span: Span,
@@ -75,7 +75,7 @@ impl Region {
 ///
 /// # Errors
 /// [`Refused`], and nothing has changed: a value out of range, a bad name, too many regions, or as [`Weather::edit`].
-pub fn edit(
+pub(super) fn edit(
     regions: &mut Vec<Region>,
     shape: &RegionShape,
     edit: &WeatherEdit,
@@ -111,7 +111,7 @@ pub fn edit(
 ///
 /// # Errors
 /// [`Refused`] when there is none of that name (or it is fading out already), or the transition is out of range.
-pub fn remove(regions: &mut Vec<Region>, name: &str, transition_s: f64, now_s: f64) -> Result<(), Refused> {
+pub(super) fn remove(regions: &mut Vec<Region>, name: &str, transition_s: f64, now_s: f64) -> Result<(), Refused> {
     check::within("transition_s", transition_s, limits::TRANSITION_S)?;
     regions.retain(|region| !region.gone(now_s));
     match regions.iter_mut().find(|region| region.shape.name == name && !region.leaving()) {
@@ -130,7 +130,7 @@ pub fn remove(regions: &mut Vec<Region>, name: &str, transition_s: f64, now_s: f
 }
 
 /// The regions at a time not before the last edit, in the order in which they were made.
-pub fn at(regions: &[Region], now_s: f64) -> Vec<RegionState> {
+pub(super) fn at(regions: &[Region], now_s: f64) -> Vec<RegionState> {
     regions.iter().filter(|region| !region.gone(now_s)).map(|region| region.at(now_s)).collect()
 }
 
