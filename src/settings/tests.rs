@@ -24,6 +24,13 @@ fn the_defaults_are_the_file_and_nothing_given_means_the_defaults() {
 }
 
 #[test]
+fn the_committed_schema_of_the_settings_is_current_and_can_be_checked_by() {
+    let schema = file_schema();
+    crate::wire::schema::committed("config/settings.schema.json", &schema);
+    assert_eq!(Rule::from_schema(&schema).err(), None);
+}
+
+#[test]
 fn each_field_reaches_the_settings() {
     let other = serde_json::json!({
         "listen": "[::1]:9000", "token": "correct-horse", "allowed_origins": ["https://example.org:8443"],

@@ -159,5 +159,16 @@ pub fn of<T: JsonSchema>() -> Value {
     schemars::schema_for!(T).to_value()
 }
 
+/// Compares a committed file with what the types say now; with `UPDATE_SCHEMA=1` writes it first.
+#[cfg(test)]
+pub(crate) fn committed(path: &str, schema: &Value) {
+    let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
+    if std::env::var_os("UPDATE_SCHEMA").is_some_and(|value| value == "1") {
+        std::fs::write(&file, text(schema)).expect(path);
+    }
+    let found = std::fs::read_to_string(&file).unwrap_or_default();
+    assert!(found == text(schema), "{path} is not what the types say; run: UPDATE_SCHEMA=1 cargo test schema");
+}
+
 #[cfg(test)]
 mod tests;

@@ -4,19 +4,8 @@ use super::*;
 use crate::wire::control::{decode, decode_outbound, encode};
 use crate::wire::scenario;
 use std::collections::BTreeSet;
-use std::path::Path;
 
 const PAGE: &str = include_str!("../../../protocol/README.md");
-
-/// Compares a committed file with what the types say now; with `UPDATE_SCHEMA=1` writes it first.
-fn committed(path: &str, schema: &Value) {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
-    if std::env::var_os("UPDATE_SCHEMA").is_some_and(|value| value == "1") {
-        std::fs::write(&file, text(schema)).expect(path);
-    }
-    let found = std::fs::read_to_string(&file).unwrap_or_default();
-    assert!(found == text(schema), "{path} is not what the types say; run: UPDATE_SCHEMA=1 cargo test schema");
-}
 
 #[test]
 fn the_committed_schema_of_the_control_messages_is_current() {
