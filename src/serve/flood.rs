@@ -1,5 +1,6 @@
 //! Too many messages: a token bucket for each connection, and a bound on how often it is told so.
 
+use crate::wire::limits;
 use std::time::Duration;
 
 /// What to do with a message.
@@ -27,7 +28,7 @@ pub(super) struct Bucket {
 }
 
 /// A flood is answered at most this often.
-const REFUSAL_EVERY: Duration = Duration::from_secs(1);
+const REFUSAL_EVERY: Duration = Duration::from_millis(1000 / limits::REFUSALS_PER_SECOND as u64);
 
 impl Bucket {
     /// `per_s` messages a second for ever, `burst` at once.

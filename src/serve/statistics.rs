@@ -3,7 +3,7 @@
 use super::app::App;
 use super::metrics::ViewCounts;
 use crate::wire::control;
-use crate::wire::control::out::{DelayStatistics, Outbound, Statistics, Telemetry, ViewStatistics};
+use crate::wire::control::out::{DelayStatistics, EventMessage, Outbound, Statistics, Telemetry, ViewStatistics};
 use std::sync::atomic::Ordering::Relaxed;
 use std::time::Duration;
 use tokio::time::MissedTickBehavior;
@@ -28,14 +28,22 @@ pub(super) fn statistics(app: &App, seq: Option<u64>) -> Statistics {
     }
 }
 
-/// Tells every client that subscribed to anything how its frames are doing, until the server stops.
+/// Tells every client that subscribed to anything how its frames are doing, and everybody of new faults, until the server
+/// stops.
 pub(super) async fn telemetry(app: std::sync::Arc<App>) {
     let mut tick = tokio::time::interval(TELEMETRY_EVERY);
     tick.set_missed_tick_behavior(MissedTickBehavior::Delay);
+    let mut told = 0;
     loop {
         tokio::select! {
             () = app.stop.cancelled() => return,
             _ = tick.tick() => {}
+        }
+        let faults = app.metrics.faults.load(Relaxed);
+        if faults > told {
+            let what = format!("{} faults of the server in the last second; its log names them", faults - told);
+            app.hub.broadcast(&Outbound::Event(EventMessage::Fault { what }));
+            told = faults;
         }
         let views = view_statistics(&app);
         for client in app.hub.clients() {

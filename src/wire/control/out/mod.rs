@@ -34,7 +34,7 @@ pub enum Outbound {
     Statistics(Statistics),
     /// A lockstep step is done: every subscriber's copy of its frames has been written.
     Stepped(Stepped),
-    /// Told to every client about once a second.
+    /// Told about once a second to every client that subscribed to anything.
     Telemetry(Telemetry),
 }
 
