@@ -1,0 +1,271 @@
+//! The built binary as a user meets it: exit codes, complaints in words, pictures on disk, a server that starts and stops.
+
+use std::io::{BufRead, BufReader};
+use std::net::TcpListener;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+const SCENARIO: &str = r#"{
+  "type": "scenario", "protocol": "stormdeck.v1", "name": "test", "description": "A deck.", "duration_s": 10,
+  "entries": [
+    {"at": 0, "type": "time", "utc": "2026-06-21T11:30:00Z"},
+    {"at": 0, "type": "ownship", "latitude_deg": 47, "longitude_deg": 8, "altitude_m": 700, "yaw_deg": 0, "pitch_deg": 5, "roll_deg": 0},
+    {"at": 0, "type": "weather", "layers": [{"cloud_type": "cumulus", "base_m": 1200, "thickness_m": 800, "coverage": 0.5}]}
+  ]
+}"#;
+
+/// The same without the deck: its light takes most of the time of a first picture.
+fn clear_sky() -> String {
+    let (before, _) = SCENARIO.split_once("[{\"cloud_type\"").expect("the deck");
+    format!("{before}[]}}\n  ]\n}}")
+}
+
+/// A folder of this test's own, gone when dropped.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(test: &str) -> Self {
+        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("cli-{test}"));
+        let _old = std::fs::remove_dir_all(&path);
+        std::fs::create_dir_all(&path).expect("a folder for the test");
+        Self(path)
+    }
+
+    fn file(&self, name: &str, text: &str) -> String {
+        std::fs::write(self.0.join(name), text).expect("a file for the test");
+        self.path(name)
+    }
+
+    fn path(&self, name: &str) -> String {
+        self.0.join(name).to_string_lossy().into_owned()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _gone = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn stormdeck(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stormdeck"));
+    command.args(arguments).stdin(Stdio::null()).current_dir(env!("CARGO_MANIFEST_DIR"));
+    command
+}
+
+/// Runs to the end and returns the exit code and everything printed.
+fn run(command: &mut Command) -> (i32, String) {
+    let Output { status, stdout, stderr } = command.output().expect("the binary");
+    let text = String::from_utf8_lossy(&stdout).into_owned() + &String::from_utf8_lossy(&stderr);
+    (status.code().expect("an exit code, not a signal"), text)
+}
+
+/// Fails unless the command ends with this code and says all of these.
+fn expect(arguments: &[&str], code: i32, says: &[&str]) {
+    let (found, text) = run(&mut stormdeck(arguments));
+    assert_eq!(found, code, "{arguments:?}: {text}");
+    for word in says {
+        assert!(text.contains(word), "{arguments:?} does not say {word:?}: {text}");
+    }
+}
+
+#[test]
+fn a_wrong_command_line_ends_with_2_and_help_with_0() {
+    expect(&["--help"], 0, &["serve", "render", "check", "host"]);
+    expect(&["--version"], 0, &[env!("CARGO_PKG_VERSION")]);
+    expect(&["fly"], 2, &["fly"]);
+    expect(&["check"], 2, &["FILE"]);
+    expect(&["serve", "--executor", "abacus"], 2, &["gpu, reference or auto"]);
+    expect(&["render", "clear-day", "--out", "a.png"], 2, &["--at"]);
+    expect(&["host", "clear-day", "--to", "127.0.0.1:1", "--rate", "0"], 2, &["0.1 to 120"]);
+}
+
+#[test]
+fn check_tells_everything_that_is_wrong_with_line_and_path() {
+    let folder = Folder::new("check");
+    let good = folder.file("good.json", SCENARIO);
+    expect(&["check", &good], 0, &["good.json: scenario \"test\", 3 entries"]);
+    expect(&["check", "config/default.json"], 0, &["settings"]);
+
+    let bad = SCENARIO.replace("\"latitude_deg\": 47", "\"latitude_deg\": 91").replace("800", "-800");
+    let bad = folder.file("bad.json", &bad.replace("\"coverage\": 0.5", "\"colour\": 0.5"));
+    let complaints = ["line 5", "entries[1].latitude_deg", "line 6", "thickness_m", "colour"];
+    expect(&["check", &good, &bad], 2, &complaints);
+
+    let over = SCENARIO.replace(
+        "0.5}]",
+        "0.5}, {\"cloud_type\": \"stratus\", \"base_m\": 1500, \"thickness_m\": 100, \"coverage\": 1}]",
+    );
+    expect(&["check", &folder.file("over.json", &over)], 2, &["entries[2]"]);
+
+    expect(&["check", &folder.file("broken.json", "{\n  \"a\": ]\n}")], 2, &["broken.json", "line 2"]);
+    expect(&["check", &folder.path("missing.json")], 2, &["missing.json: cannot be read"]);
+    let settings = folder.file("settings.json", "{\"frame_rate_hz\": 1000, \"jpeg_quality\": 0, \"colour\": 1}");
+    expect(&["check", &settings], 2, &["frame_rate_hz", "jpeg_quality", "colour"]);
+}
+
+#[test]
+fn render_writes_pictures_of_the_size_asked_for() {
+    let folder = Folder::new("render");
+    let scenario = folder.file("scenario.json", &clear_sky());
+    let small = ["--size", "64x36", "--slices", "4", "--executor", "reference"];
+    for name in ["sky.png", "sky.jpg", "sky.exr"] {
+        let out = folder.path(name);
+        expect(&[&["render", &scenario, "--at", "1", "--out", &out], &small[..]].concat(), 0, &["reference"]);
+        let bytes = std::fs::read(&out).expect("the picture");
+        assert!(bytes.len() > 200, "{name}: {} bytes", bytes.len());
+        if name == "sky.png" {
+            assert_eq!(bytes[16..24], [0, 0, 0, 64, 0, 0, 0, 36], "width and height in IHDR");
+        }
+    }
+    let out = folder.path("deck.png");
+    let deck = folder.file("deck.json", SCENARIO);
+    expect(
+        &[&["render", &deck, "--at", "1", "--out", &out, "--explain"], &small[..]].concat(),
+        0,
+        &["Cumulus", "4 slices"],
+    );
+    let out = folder.path("many.png");
+    let sequence = ["render", &scenario, "--from", "0", "--to", "1", "--fps", "2", "--out", &out];
+    expect(&[&sequence, &small[..]].concat(), 0, &[]);
+    for number in 0..3 {
+        assert!(Path::new(&folder.path(&format!("many-0000{number}.png"))).exists(), "picture {number}");
+    }
+    assert!(!Path::new(&folder.path("many-00003.png")).exists(), "no picture after the end");
+}
+
+#[test]
+fn render_says_what_is_wrong() {
+    let folder = Folder::new("render-wrong");
+    let scenario = folder.file("scenario.json", SCENARIO);
+    let out = folder.path("sky.png");
+    let render = |rest: &[&'static str], code, says: &[&str]| {
+        expect(&[&["render", &scenario, "--executor", "reference"], rest].concat(), code, says);
+    };
+    expect(&["render", "no-such-scenario", "--at", "0", "--out", &out], 2, &["no-such-scenario", "clear-day"]);
+    render(&["--at", "99", "--out", "a.png"], 2, &["after the scenario's end at 10 s"]);
+    render(&["--at", "0", "--out", "a.gif"], 2, &[".png, .jpg or .exr"]);
+    render(&["--at", "NaN", "--out", "a.png"], 2, &["--at"]);
+    render(&["--at", "0", "--out", "a.png", "--view", "tail"], 2, &["no such view", "main"]);
+    render(&["--at", "0", "--out", "a.png", "--size", "9x9"], 2, &["16 to"]);
+    render(&["--at", "0", "--size", "16x16", "--out", "/no/such/folder/a.png"], 1, &["cannot be written"]);
+    render(&["--at", "0", "--explain"], 0, &["kept", "640 x 360"]);
+}
+
+/// The loader is told of a driver that is not there, so no machine has an adapter here.
+#[cfg(target_os = "linux")]
+#[test]
+fn without_an_adapter_gpu_fails_with_advice_and_auto_goes_on() {
+    let folder = Folder::new("no-adapter");
+    let (scenario, out) = (folder.file("scenario.json", &clear_sky()), folder.path("sky.png"));
+    let render = |executor: &str| {
+        let arguments = ["render", &scenario, "--at", "0", "--size", "16x16", "--out", &out, "--executor", executor];
+        run(stormdeck(&arguments)
+            .env("VK_DRIVER_FILES", "/nonexistent.json")
+            .env("VK_ICD_FILENAMES", "/nonexistent.json"))
+    };
+    let (code, text) = render("gpu");
+    assert_eq!(code, 1, "{text}");
+    assert!(text.contains("deploy/install-vulkan") && text.contains("--executor reference"), "{text}");
+    let (code, text) = render("auto");
+    assert_eq!(code, 0, "{text}");
+    assert!(text.contains("reference") && text.contains("no graphics adapter"), "{text}");
+}
+
+#[test]
+fn serve_refuses_a_wrong_file_and_a_taken_port() {
+    let folder = Folder::new("serve-wrong");
+    let settings = folder.file("settings.json", "{\"frame_rate_hz\": 1000, \"colour\": 1}");
+    expect(&["serve", "--config", &settings], 2, &["frame_rate_hz", "colour"]);
+    expect(&["serve", "--config", &folder.file("broken.json", "{")], 2, &["broken.json", "line 1"]);
+    expect(&["serve", "--config", &folder.path("missing.json")], 2, &["cannot be read"]);
+    expect(&["serve", "--scenario", "no-such-scenario", "--listen", "127.0.0.1:0"], 2, &["no-such-scenario"]);
+
+    let taken = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let address = taken.local_addr().expect("an address").to_string();
+    expect(&["serve", "--listen", &address, "--executor", "reference"], 1, &[&address, "cannot be listened on"]);
+}
+
+#[test]
+fn host_says_when_nobody_answers() {
+    let free = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let address = free.local_addr().expect("an address").to_string();
+    drop(free);
+    expect(&["host", "clear-day", "--to", &address], 1, &["cannot connect"]);
+    expect(&["host", "no-such-scenario", "--to", &address], 2, &["no-such-scenario"]);
+}
+
+/// A server that is killed when the test fails.
+#[cfg(unix)]
+struct Server {
+    child: Child,
+    address: String,
+}
+
+#[cfg(unix)]
+impl Server {
+    fn start(arguments: &[&str]) -> Self {
+        let all = [&["serve", "--listen", "127.0.0.1:0", "--executor", "reference"], arguments].concat();
+        let mut child = stormdeck(&all).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("the binary");
+        let mut lines = BufReader::new(child.stderr.take().expect("its log")).lines();
+        let address = lines
+            .by_ref()
+            .map_while(Result::ok)
+            .find_map(|line| Some(line.split_once("http://")?.1.split('/').next()?.to_owned()))
+            .expect("a line that says where it listens");
+        // Somebody has to read on, or the server would stop at a full pipe.
+        std::thread::spawn(move || lines.map_while(Result::ok).for_each(drop));
+        Self { child, address }
+    }
+
+    /// Ends it by a signal and returns its exit code.
+    fn stop(mut self, signal: &str) -> Option<i32> {
+        let sent = Command::new("kill").args([signal, &self.child.id().to_string()]).status().expect("kill");
+        assert!(sent.success());
+        // The server ends within two seconds; the rest is for a busy machine. A server that hangs is the failure.
+        let guard = Instant::now() + Duration::from_secs(10);
+        while Instant::now() < guard {
+            if let Some(status) = self.child.try_wait().expect("its status") {
+                return status.code();
+            }
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        panic!("the server did not end after {signal}");
+    }
+}
+
+#[cfg(unix)]
+impl Drop for Server {
+    fn drop(&mut self) {
+        let _ended = self.child.kill();
+        let _ended = self.child.wait();
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn serve_starts_is_played_to_by_a_host_and_stops_by_a_signal() {
+    let folder = Folder::new("serve");
+    let scenario = folder.file("scenario.json", &clear_sky().replace(
+        "\"entries\": [",
+        "\"entries\": [{\"at\": 0, \"type\": \"view\", \"action\": \"change\", \"name\": \"main\", \"size_px\": [64, 36]},",
+    ));
+    for (signal, mode) in [("-TERM", "--lockstep"), ("-INT", "--format=png")] {
+        let server = Server::start(&[]);
+        let address = server.address.clone();
+        let says = ["connected to stormdeck", "view main", "message to frame received: median"];
+        expect(&["host", &scenario, "--to", &address, "--rate", "10", "--frames", "5", mode], 0, &says);
+        assert_eq!(server.stop(signal), Some(0), "{signal}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_server_with_a_token_wants_it() {
+    let server = Server::start(&["--token", "a-long-secret"]);
+    let host = ["host", "clear-day", "--to", &server.address, "--frames", "1", "--rate", "10"];
+    expect(&host, 1, &[]);
+    expect(&[&host[..], &["--token", "a-long-secret"]].concat(), 0, &["connected"]);
+    assert_eq!(server.stop("-TERM"), Some(0));
+}
