@@ -98,11 +98,15 @@ def ownship(state, host_frame, speed):
 def prepare(link, args):
     """Sets the scene before the flight."""
     width, height = (int(n) for n in args.size.split("x"))
+    # The server may be playing a scenario with an ownship of its own: an empty one takes its place.
+    empty = {"type": "scenario", "protocol": "stormdeck.v1", "name": "flight", "description": "", "duration_s": 86400.0, "entries": []}
+    link.ask({"type": "scenario", "action": "load", "document": empty})
     link.ask({"type": "time", "utc": "2026-06-21T17:30:00Z", "rate": 1.0})
-    action = "change" if VIEW in link.welcome["views"] else "create"
+    if args.lockstep:
+        link.ask({"type": "scenario", "action": "pause"})
     # The eye is in the cockpit, above and before the centre of mass.
     link.ask(
-        {"type": "view", "action": action, "name": VIEW, "size_px": [width, height], "field_of_view_deg": 70.0,
+        {"type": "view", "action": "create", "name": VIEW, "size_px": [width, height], "field_of_view_deg": 70.0,
          "offset_m": [14.0, 0.0, -2.5]}
     )
     link.ask(deck(6, 1.0, transition_s=0.0))
@@ -112,12 +116,15 @@ def prepare(link, args):
 def fly(link, args):
     """The flight: returns where it ended."""
     flight = Flight()
+    # The brakes are released when the first picture is there: it waits for tables that are built once.
+    link.tell(ownship(flight.state(), 1, 0.0))
+    link.wait_for_frame(1)
     began = time.monotonic()
     simulation_began_s = link.simulation_time_s()
     events = list(EVENTS)
     ticks = int(args.minutes * 60 * TICKS_PER_SECOND)
     ticks_per_step = max(1, round(TICKS_PER_SECOND / args.step_rate))
-    for tick in range(1, ticks + 1):
+    for tick in range(2, ticks + 1):
         for _ in range(MODEL_STEPS_PER_TICK):
             flight.step()
         state = flight.state()

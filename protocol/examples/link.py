@@ -91,6 +91,15 @@ class Link:
         if left > 0:
             time.sleep(left)
 
+    def wait_for_frame(self, host_frame):
+        """Waits for a frame that shows an ownship message; its delay is not counted."""
+        with self._news:
+            shown = lambda: self._failure or any(frame.host_frame >= host_frame for frame in self._newest.values())
+            if not self._news.wait_for(shown, PATIENCE_S):
+                raise Wrong(f"no picture came for {PATIENCE_S:.0f} s")
+            self._raise_failure()
+            self._delays_ms.clear()
+
     def finish(self):
         """Waits until every message is answered and at least one frame is here."""
         with self._news:

@@ -8,6 +8,7 @@ from websockets.sync.client import connect
 
 MESSAGES = [
     {"type": "hello", "protocol": "stormdeck.v1", "role": "host"},
+    {"type": "scenario", "action": "pause"},
     {"type": "ownship", "latitude_deg": 46.2, "longitude_deg": 6.1, "altitude_m": 900.0, "yaw_deg": 90.0,
      "pitch_deg": 5.0, "roll_deg": 0.0, "host_frame": 1},
     {"type": "subscribe", "view": "main", "format": "png"},
