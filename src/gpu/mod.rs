@@ -50,11 +50,6 @@ impl GpuExecutor {
         gpu.check()?;
         Ok(Self { gpu, pipelines, resident, targets: Targets::default(), ring: Ring::default() })
     }
-
-    /// Buffers, textures and bind groups that live now: flat in the long run.
-    pub fn object_count(&self) -> usize {
-        self.resident.count() + self.targets.count() + self.ring.count()
-    }
 }
 
 impl Executor for GpuExecutor {
@@ -76,5 +71,9 @@ impl Executor for GpuExecutor {
 
     fn depth(&self) -> usize {
         ring::DEPTH
+    }
+
+    fn object_count(&self) -> usize {
+        self.resident.count() + self.targets.count() + self.ring.count()
     }
 }

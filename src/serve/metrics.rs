@@ -38,6 +38,8 @@ pub(super) struct Metrics {
     pub(super) encodings: AtomicU64,
     /// Frames waiting for clients, all together.
     pub(super) queued: AtomicU64,
+    /// Objects that live on the graphics device.
+    pub(super) gpu_objects: AtomicU64,
     /// Simulation time, bits of an f64.
     simulation_time: AtomicU64,
     executor: Mutex<String>,
@@ -111,6 +113,7 @@ impl Metrics {
             encoding: zero(),
             encodings: zero(),
             queued: zero(),
+            gpu_objects: zero(),
             simulation_time: zero(),
             executor: Mutex::default(),
             views: Mutex::default(),
@@ -175,12 +178,13 @@ impl Metrics {
         for (name, help, value) in counters {
             single(&mut out, name, help, "counter", value as f64);
         }
-        let gauges: [(&str, &str, f64); 7] = [
+        let gauges: [(&str, &str, f64); 8] = [
             ("clients", "WebSocket clients", self.clients.load(Relaxed) as f64),
             ("hosts", "1 while a client is host", self.hosts.load(Relaxed) as f64),
             ("steps_waiting", "Lockstep steps not yet answered", self.steps_waiting.load(Relaxed) as f64),
             ("encoding", "Frames being encoded", self.encoding.load(Relaxed) as f64),
             ("client_queue_frames", "Frames waiting for clients", self.queued.load(Relaxed) as f64),
+            ("gpu_objects", "Buffers, textures and bind groups on the device", self.gpu_objects.load(Relaxed) as f64),
             ("simulation_time_seconds", "Time of the world", self.simulation_time_s()),
             ("uptime_seconds", "Since the server started", self.start.elapsed().as_secs_f64()),
         ];

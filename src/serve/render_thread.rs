@@ -217,6 +217,7 @@ impl RenderThread {
         let Some(executor) = self.executor.as_mut() else { return };
         match catch_unwind(AssertUnwindSafe(|| executor.collect(wait))) {
             Ok(Ok(finished)) => {
+                self.metrics.gpu_objects.store(executor.object_count() as u64, Relaxed);
                 let now_us = self.metrics.now_us();
                 for picture in finished {
                     if let Some(slot) = self.ring.slot_mut(picture.ticket) {
