@@ -86,7 +86,8 @@ async fn door(
     let trust = match app.access.judge(request.headers(), token) {
         Ok(trust) => trust,
         Err((status, why)) => {
-            tracing::warn!(path = request.uri().path(), %status, why, "request turned away");
+            app.metrics.turned_away.fetch_add(1, Relaxed);
+            tracing::debug!(path = request.uri().path(), %status, why, "request turned away");
             return (status, format!("{why}\n")).into_response();
         }
     };

@@ -143,6 +143,7 @@ async fn write(app: Arc<App>, client: Arc<Client>, mut sink: SplitSink<WebSocket
         let (message, copy) = match item {
             None => (Message::Ping(axum::body::Bytes::new()), None),
             Some(Item::Text(text)) => (Message::Text(text.into()), None),
+            Some(Item::Frame(copy)) if !still_wanted(&client, &copy) => continue,
             Some(Item::Frame(copy)) => match message(&app, &client, &copy) {
                 Ok(bytes) => (Message::Binary(bytes.into()), Some(copy)),
                 Err(error) => {
@@ -185,6 +186,11 @@ async fn write(app: Arc<App>, client: Arc<Client>, mut sink: SplitSink<WebSocket
         let frame = CloseFrame { code, reason: reason.into() };
         let _closed = tokio::time::timeout(LAST_WORDS, sink.send(Message::Close(Some(frame)))).await;
     }
+}
+
+/// Not after `unsubscribe`, nor in the format of a subscription that was replaced.
+fn still_wanted(client: &Client, copy: &Copy) -> bool {
+    client.subscriptions().get(&copy.frame.view).is_some_and(|taking| taking.wire_format == copy.format)
 }
 
 /// The bytes of one copy: the header is this client's own.

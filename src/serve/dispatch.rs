@@ -7,7 +7,7 @@ use super::roles::Claim;
 use super::statistics;
 use super::step::{Outcome, StepFrame};
 use super::world_task::{Request, State};
-use crate::plan::{Output, plan};
+use crate::outputs;
 use crate::wire::control::out::{
     Ack, EventMessage, Outbound, PlanMessage, StateMessage, Stepped, SteppedFrame, Welcome,
 };
@@ -178,7 +178,7 @@ impl Session {
 
     async fn subscribe(&self, seq: Option<u64>, wish: Subscription) -> Result<(), Refused> {
         let state = self.state().await?;
-        view_must_exist(&state, &wish.view)?;
+        outputs::view(&state.snapshot, &wish.view)?;
         let subscriptions = self.client.subscriptions().len();
         if subscriptions >= limits::SUBSCRIPTIONS && !self.client.subscriptions().contains_key(&wish.view) {
             let limit = format!("{} subscriptions", limits::SUBSCRIPTIONS);
@@ -220,10 +220,7 @@ impl Session {
             }
             Query::Plan { view } => {
                 let state = self.state().await?;
-                view_must_exist(&state, &view)?;
-                let found = state.snapshot.views.iter().find(|candidate| candidate.name == view);
-                let Some(found) = found else { return Ok(()) };
-                let plan = plan(&state.snapshot, found, Output::Srgb8);
+                let plan = outputs::plan_of(&state.snapshot, &view)?;
                 Outbound::Plan(PlanMessage::new(seq, &view, &plan))
             }
             Query::Statistics => Outbound::Statistics(statistics::statistics(&self.app, seq)),
@@ -253,12 +250,4 @@ impl Session {
 fn stepped_frame(frame: StepFrame) -> SteppedFrame {
     let StepFrame { view, number, formats, copies } = frame;
     SteppedFrame { view, frame: number, formats: formats.into_iter().collect(), copies }
-}
-
-fn view_must_exist(state: &State, view: &str) -> Result<(), Refused> {
-    if state.snapshot.views.iter().any(|candidate| candidate.name == view) {
-        return Ok(());
-    }
-    let names: Vec<&str> = state.snapshot.views.iter().map(|view| view.name.as_str()).collect();
-    Err(Refused::new("view", view, format!("one of: {}", names.join(", ")), "there is no view of this name"))
 }

@@ -8,11 +8,12 @@ use super::metrics::Metrics;
 use super::queue::{Copy, POLICY, Pushed};
 use super::render_thread::Rendered;
 use super::step::StepGuard;
-use super::strikes::{Strikes, lit};
+use super::strikes::Strikes;
 use crate::encode;
 use crate::frame::{Frame, Pixels};
-use crate::wire::control::out::{EventMessage, Outbound};
+use crate::outputs::{self, lit};
 use crate::wire::control::{Format, WhenSlow};
+use crate::world::event::Event;
 use crate::world::snapshot::Snapshot;
 use axum::body::Bytes;
 use futures_util::StreamExt;
@@ -83,12 +84,7 @@ impl FanOut {
                     }
                     Some(Rendered::Frame { frame, snapshot, guard }) => {
                         for id in lit(&snapshot).filter(|id| self.strikes.shown(*id)) {
-                            self.hub.broadcast(&Outbound::Event(EventMessage::StrikeShown {
-                                flash: id,
-                                view: frame.view.clone(),
-                                frame: frame.number,
-                                simulation_time_s: frame.simulation_time_s,
-                            }));
+                            self.hub.tell(&outputs::shown(&snapshot, id, &frame.view, frame.number));
                         }
                         self.hub.retain_views(|name| snapshot.views.iter().any(|view| view.name == name));
                         self.cache.retain(|name, _| snapshot.views.iter().any(|view| view.name == *name));
@@ -108,18 +104,22 @@ impl FanOut {
         snapshot: &Snapshot,
         guard: Option<Arc<StepGuard>>,
     ) -> impl Future<Output = Parcel> + use<> {
-        let mut recipients = Vec::new();
+        let (mut recipients, mut first_frames) = (Vec::new(), false);
         for client in self.hub.clients() {
             let mut subscriptions = client.subscriptions();
             let Some(taking) = subscriptions.get_mut(&frame.view) else { continue };
             // In lockstep every subscriber gets every frame: its rate is the host's.
             if guard.is_some() || taking.pacer.due(frame.stamps.snapshot_us) {
+                first_frames |= std::mem::take(&mut taking.fresh);
                 let (format, wire_format, when_slow) = (taking.format, taking.wire_format, taking.when_slow);
                 let last = snapshot.views.iter().rev().find(|view| subscriptions.contains_key(&view.name));
                 let last_of_step = guard.is_some() && last.is_some_and(|view| view.name == frame.view);
                 drop(subscriptions);
                 recipients.push(Recipient { client, format, wire_format, when_slow, last_of_step });
             }
+        }
+        if first_frames {
+            self.hub.wanted_changed();
         }
         let asks = self.hub.answered(&frame.view, frame.stamps.snapshot_us);
         let formats: BTreeSet<encode::Format> =
@@ -185,7 +185,7 @@ impl FanOut {
 
 /// Tells everybody that a flash was over before a frame could show it.
 pub(super) fn missed(hub: &Hub, id: u64) {
-    hub.broadcast(&Outbound::Event(EventMessage::StrikeMissed { flash: id }));
+    hub.tell(&Event::StrikeMissed { id });
 }
 
 /// Encodes on the blocking pool, unless it has been done for this picture.

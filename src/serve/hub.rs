@@ -7,8 +7,9 @@ use super::queue::Queue;
 use super::roles::ClientId;
 use crate::encode;
 use crate::frame::Frame;
-use crate::wire::control::out::{Outbound, SubscriptionStatistics};
+use crate::wire::control::out::{EventMessage, Outbound, SubscriptionStatistics};
 use crate::wire::control::{self, Format, Subscription, WhenSlow};
+use crate::world::event::Event;
 use axum::body::Bytes;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
@@ -29,6 +30,8 @@ pub(super) struct Taking {
     pub(super) when_slow: WhenSlow,
     pub(super) max_rate_hz: f64,
     pub(super) pacer: Pacer,
+    /// Has not had its first frame, which comes at once whatever the rate.
+    pub(super) fresh: bool,
     pub(super) sent: u64,
     pub(super) dropped: u64,
 }
@@ -135,6 +138,7 @@ impl Hub {
             when_slow: wish.when_slow,
             max_rate_hz: wish.max_rate_hz,
             pacer: Pacer::new(wish.max_rate_hz),
+            fresh: true,
             sent: 0,
             dropped: 0,
         };
@@ -182,6 +186,13 @@ impl Hub {
         answered
     }
 
+    /// Tells everybody what happened in the world.
+    pub(super) fn tell(&self, event: &Event) {
+        if let Some(message) = EventMessage::from_world(event) {
+            self.broadcast(&Outbound::Event(message));
+        }
+    }
+
     /// Tells everybody.
     pub(super) fn broadcast(&self, message: &Outbound) {
         let text = control::encode(message);
@@ -213,14 +224,16 @@ impl Hub {
     }
 
     /// Tells the render thread which views somebody wants, and how often at most.
-    fn wanted_changed(&self) {
+    pub(super) fn wanted_changed(&self) {
         let mut wanted: BTreeMap<String, f64> = BTreeMap::new();
         let mut want = |view: &str, rate_hz: f64| {
             let fastest = wanted.entry(view.to_owned()).or_insert(rate_hz);
             *fastest = fastest.max(rate_hz);
         };
         for client in self.clients() {
-            client.subscriptions().iter().for_each(|(view, taking)| want(view, taking.max_rate_hz));
+            client.subscriptions().iter().for_each(|(view, taking)| {
+                want(view, if taking.fresh { f64::INFINITY } else { taking.max_rate_hz });
+            });
         }
         let mut asks = lock(&self.asks);
         asks.retain(|ask| !ask.reply.is_closed());

@@ -4,7 +4,8 @@
 //! none is taken in vain, so that a flash that begins with a picture has one.
 
 use super::step::StepGuard;
-use super::strikes::{Strikes, lit};
+use super::strikes::Strikes;
+use crate::outputs::lit;
 use crate::world::snapshot::Snapshot;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -46,13 +47,14 @@ pub(super) struct Inbox {
     state: Mutex<State>,
     changed: Condvar,
     hunger: Notify,
+    wishes: Notify,
     strikes: Arc<Strikes>,
 }
 
 impl Inbox {
     /// `strikes` is told which flashes a snapshot shows from the moment at which it is posted.
     pub(super) fn new(strikes: Arc<Strikes>) -> Self {
-        Self { state: Mutex::default(), changed: Condvar::new(), hunger: Notify::new(), strikes }
+        Self { state: Mutex::default(), changed: Condvar::new(), hunger: Notify::new(), wishes: Notify::new(), strikes }
     }
 
     /// Waits until the render thread is ready for a snapshot of the free-running time.
@@ -64,6 +66,11 @@ impl Inbox {
             }
             hunger.await;
         }
+    }
+
+    /// Waits until somebody wants something else than before.
+    pub(super) async fn wishes_changed(&self) {
+        self.wishes.notified().await;
     }
 
     /// The highest rate at which anybody wants any view; `None` when nobody wants one.
@@ -95,6 +102,7 @@ impl Inbox {
     pub(super) fn set_wanted(&self, wanted: BTreeMap<String, f64>) {
         self.lock().wanted = wanted;
         self.changed.notify_one();
+        self.wishes.notify_one();
     }
 
     pub(super) fn stop(&self) {

@@ -18,6 +18,8 @@ pub(super) struct Metrics {
     pub(super) messages: AtomicU64,
     /// Messages refused and answered.
     pub(super) refusals: AtomicU64,
+    /// HTTP requests turned away at the door.
+    pub(super) turned_away: AtomicU64,
     /// Messages of floods, refused without a word.
     pub(super) unsaid: AtomicU64,
     /// Our own failures.
@@ -103,6 +105,7 @@ impl Metrics {
             hosts: zero(),
             messages: zero(),
             refusals: zero(),
+            turned_away: zero(),
             unsaid: zero(),
             faults: zero(),
             executors_remade: zero(),
@@ -164,10 +167,11 @@ impl Metrics {
     /// Prometheus text.
     pub(super) fn text(&self) -> String {
         let mut out = String::with_capacity(4096);
-        let counters: [(&str, &str, u64); 9] = [
+        let counters: [(&str, &str, u64); 10] = [
             ("messages_total", "Messages read from clients", self.messages.load(Relaxed)),
             ("refusals_total", "Messages refused with a reason", self.refusals.load(Relaxed)),
             ("flood_dropped_total", "Messages of floods refused in silence", self.unsaid.load(Relaxed)),
+            ("turned_away_total", "Requests with a wrong origin, host or token", self.turned_away.load(Relaxed)),
             ("faults_total", "Failures of the server itself", self.faults.load(Relaxed)),
             ("executors_remade_total", "Executors made after a loss", self.executors_remade.load(Relaxed)),
             ("disconnected_total", "Clients disconnected for being stuck", self.disconnected.load(Relaxed)),

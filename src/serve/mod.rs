@@ -61,9 +61,9 @@ const IDLE: Duration = Duration::from_secs(60);
 /// Finished frames that wait for the fan-out.
 const FRAMES_WAITING: usize = 4;
 /// For goodbyes at the end.
-const GOODBYE: Duration = Duration::from_millis(700);
+const GOODBYE: Duration = Duration::from_millis(600);
 /// For everything that was told to end at once.
-const ENDING: Duration = Duration::from_millis(400);
+const ENDING: Duration = Duration::from_millis(300);
 
 /// Why the server could not run.
 #[derive(Debug, thiserror::Error)]
@@ -207,7 +207,7 @@ async fn start_drawing(
 /// Waits for the render thread, as long as the two seconds of an orderly end allow.
 async fn join(thread: JoinHandle<()>) {
     let step = Duration::from_millis(10);
-    for _ in 0..50 {
+    for _ in 0..40 {
         if thread.is_finished() {
             if thread.join().is_err() {
                 tracing::error!("fault: the render thread panicked");

@@ -3,14 +3,8 @@
 //! A flash is *taken* when a snapshot with its light goes to the render thread, *shown* when a frame of that snapshot is
 //! out, *lost* when a fault ate the frame. It is missed when it is over and no taken frame can show it any more.
 
-use crate::world::snapshot::Snapshot;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
-
-/// The flashes that give light in a snapshot.
-pub(super) fn lit(snapshot: &Snapshot) -> impl Iterator<Item = u64> + '_ {
-    snapshot.flashes.iter().filter(|flash| flash.intensity_cd > 0.0).map(|flash| flash.id)
-}
 
 #[derive(Default)]
 struct Track {

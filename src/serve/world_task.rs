@@ -106,11 +106,18 @@ impl WorldTask {
         let mut heartbeat = tokio::time::interval(HEARTBEAT);
         heartbeat.set_missed_tick_behavior(MissedTickBehavior::Delay);
         self.followed = Instant::now();
-        let mut next = tokio::time::Instant::now();
-        let inbox = Arc::clone(&self.inbox);
+        // Where the beat of free-running snapshots stands.
+        let mut beat = tokio::time::Instant::now();
+        let (inbox, most_hz) = (Arc::clone(&self.inbox), self.rate_hz);
         loop {
             let hungry = async {
-                tokio::time::sleep_until(next).await;
+                loop {
+                    let due = beat + period(&inbox, most_hz);
+                    tokio::select! {
+                        () = tokio::time::sleep_until(due) => break,
+                        () = inbox.wishes_changed() => {}
+                    }
+                }
                 inbox.hungry().await;
             };
             tokio::select! {
@@ -120,11 +127,9 @@ impl WorldTask {
                     Some(request) => self.handle(request),
                 },
                 () = hungry, if !self.lockstep => {
-                    let rate_hz = self.inbox.fastest_hz().map_or(self.rate_hz, |wanted| wanted.min(self.rate_hz));
-                    // On the beat while it is kept; from now on when the drawing could not.
-                    let now = tokio::time::Instant::now();
-                    let period = Duration::from_secs_f64(1.0 / rate_hz);
-                    next = if now > next + period { now } else { next } + period;
+                    // On the beat while it is kept; a new beat from now on when the drawing could not keep it.
+                    let (now, period) = (tokio::time::Instant::now(), period(&inbox, most_hz));
+                    beat = if now > beat + 2 * period { now } else { beat + period };
                     self.draw_free();
                 }
                 _ = heartbeat.tick() => self.follow(),
@@ -269,4 +274,9 @@ impl WorldTask {
             duration_s: timeline.map(|timeline| timeline.duration_s),
         }
     }
+}
+
+/// Between two free-running snapshots: as often as anybody wants one, and the server may.
+fn period(inbox: &Inbox, most_hz: f64) -> Duration {
+    Duration::from_secs_f64(1.0 / inbox.fastest_hz().map_or(most_hz, |wanted_hz| wanted_hz.min(most_hz)))
 }

@@ -175,7 +175,7 @@ pub const STEPS_WAITING: usize = 64;
 pub const MESSAGES_PER_SECOND: u32 = 500;
 /// Most messages that one client may send at once before the rate holds.
 pub const MESSAGE_BURST: u32 = 1_000;
-/// Most refusals a second that one client is sent; the others are counted in the next one.
+/// Most refusals a second with which a client's flood is answered; the others are counted in the next one.
 pub const REFUSALS_PER_SECOND: u32 = 1;
 /// Clients at once that settings may ask for.
 pub const CLIENTS: Whole = Whole::new(1, 1_000);

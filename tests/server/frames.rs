@@ -98,6 +98,22 @@ async fn each_client_gets_its_own_rate() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn one_who_wants_few_frames_holds_nobody_back() {
+    let server = Server::start().await;
+    let mut host = server.host().await;
+    // One frame in a hundred seconds: longer than the guard.
+    host.acked(json!({"type": "subscribe", "view": "main", "format": "raw", "max_rate_hz": 0.01})).await;
+    host.frame().await;
+    let mut watcher = server.watcher().await;
+    watcher.subscribe("main", "raw").await;
+    for _ in 0..5 {
+        watcher.frame().await;
+    }
+    assert!(host.frames.is_empty());
+    server.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn a_client_that_never_reads_harms_nobody() {
     let server = Server::start().await;
     let mut host = server.host().await;

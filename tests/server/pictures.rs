@@ -1,7 +1,10 @@
 //! Pictures, numbers and the page by plain HTTP.
 
+use crate::executor::Control;
 use crate::harness::Server;
 use serde_json::json;
+use std::sync::Arc;
+use stormdeck::reference::ReferenceExecutor;
 
 fn png_size(bytes: &[u8]) -> (u32, u32) {
     png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap().info().size()
@@ -82,5 +85,23 @@ async fn page_health_and_metrics_answer() {
         assert!(text.contains(&format!("\nstormdeck_{name} ")), "{name} is missing:\n{text}");
     }
     assert!(text.contains("stormdeck_executor_info{executor=\"painter of the tests\"} 1"));
+    server.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn the_reference_executor_draws_what_the_messages_say() {
+    let factory: stormdeck::serve::ExecutorFactory = Box::new(|| Ok(Box::new(ReferenceExecutor::new())));
+    let server = Server::start_on(|_| {}, Arc::new(Control::default()), factory).await;
+    let mut host = server.host().await;
+    host.acked(json!({"type": "scenario", "action": "pause"})).await;
+    let (status, _, clear) = server.http("/frame.png", "").await;
+    assert_eq!((status, png_size(&clear)), (200, (32, 16)));
+    let (_, _, again) = server.http("/frame.png", "").await;
+    assert!(again == clear, "the same world gives the same bytes");
+    host.acked(json!({"type": "time", "utc": "2026-06-21T23:30:00Z", "rate": 0.0})).await;
+    let (_, _, night) = server.http("/frame.png", "").await;
+    assert!(night != clear, "another time of day is another picture");
+    let text = String::from_utf8(server.http("/metrics", "").await.2).unwrap();
+    assert!(text.contains("stormdeck_executor_info{executor=\"reference"), "{text}");
     server.stop().await;
 }

@@ -92,3 +92,15 @@ async fn a_host_may_step_back_to_watching() {
     let _second = server.host().await;
     server.stop().await;
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn one_client_too_many_is_turned_away_and_there_is_room_again_when_one_leaves() {
+    let server = Server::start_with(|settings| settings.max_clients = 1).await;
+    let host = server.host().await;
+    let reason = server.connect().await.end().await;
+    assert!(reason.as_deref().is_some_and(|reason| reason.contains("too many")), "{reason:?}");
+    host.client.close().await;
+    server.until_metric("stormdeck_clients", |clients| clients == 0.0).await;
+    let _next = server.host().await;
+    server.stop().await;
+}
