@@ -38,6 +38,8 @@ pub struct Settings {
     pub shutter_s: Option<f64>,
     /// Slices per cloud layer, 1 to 128.
     pub slices: u32,
+    /// Pixels of the picture each way to one of the deck, 1 to 4.
+    pub deck_scale: u32,
     /// Ratio between the radii of neighbouring billboard rings, above 1.
     pub ring_ratio: f64,
     /// Quality of JPEGs where nobody asks for another, 1 to 100.
@@ -99,6 +101,9 @@ struct SettingsFile {
     /// Slices per cloud layer.
     #[schemars(range(min = limits::SLICES.min, max = limits::SLICES.max))]
     slices: u32,
+    /// Pixels of the picture each way to one of the deck: 1 is sharpest, 2 costs a quarter.
+    #[schemars(range(min = limits::DECK_SCALE.min, max = limits::DECK_SCALE.max))]
+    deck_scale: u32,
     /// Ratio between the radii of neighbouring billboard rings.
     #[schemars(range(min = limits::RING_RATIO.min, max = limits::RING_RATIO.max))]
     ring_ratio: f64,
@@ -164,7 +169,7 @@ impl Settings {
 
     /// What may be spent on a picture.
     pub fn quality(&self) -> Quality {
-        Quality { slices: self.slices, ring_ratio: self.ring_ratio }
+        Quality { slices: self.slices, ring_ratio: self.ring_ratio, deck_scale: self.deck_scale }
     }
 
     /// What contradicts the rules between fields; also to be asked after flags have changed some.
@@ -204,6 +209,7 @@ impl Settings {
             frame_rate_hz: file.frame_rate_hz,
             shutter_s: file.shutter_s,
             slices: file.slices,
+            deck_scale: file.deck_scale,
             ring_ratio: file.ring_ratio,
             jpeg_quality: file.jpeg_quality,
             scenario: file.scenario,

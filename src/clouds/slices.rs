@@ -14,6 +14,15 @@ pub fn heights(slices: u32, thickness_m: f32) -> Vec<f32> {
     }
 }
 
+/// Slices that share one instance: the shader walks through them, so that a ray's crossings are found once for all.
+pub const GROUP: u32 = 4;
+
+/// Heights of the shells between groups of slices above the base: the lowest and the highest slice and those between
+/// groups.
+pub fn shells(slices: u32, thickness_m: f32) -> Vec<f32> {
+    heights(slices.max(2).div_ceil(GROUP).max(2), thickness_m)
+}
+
 /// Height that one slice stands for.
 pub fn spacing_m(slices: u32, thickness_m: f32) -> f32 {
     if slices < 2 { thickness_m } else { thickness_m / (slices - 1) as f32 }
@@ -40,6 +49,12 @@ mod tests {
         assert_eq!(heights(3, 500.0), [0.0, 250.0, 500.0]);
         assert_eq!(spacing_m(3, 500.0), 250.0);
         assert_eq!(spacing_m(1, 500.0), 500.0);
+    }
+
+    #[test]
+    fn shells_enclose_the_layer() {
+        assert_eq!(shells(32, 700.0), [0.0, 100.0, 200.0, 300.0, 400.0, 500.0, 600.0, 700.0]);
+        assert_eq!(shells(1, 500.0), [0.0, 500.0]);
     }
 
     #[test]

@@ -6,6 +6,7 @@ use super::pipelines::{DeckVariant, Pipelines};
 use super::resident::Resident;
 use super::ring::Content;
 use super::targets::Target;
+use crate::passes::common::Camera;
 use crate::passes::deck::instances::instances;
 use crate::passes::deck::sector::sector;
 use crate::plan::{FramePlan, LayerPlan, Output};
@@ -31,22 +32,24 @@ struct Draw {
 /// Records and submits a plan, and enters its picture into the ring.
 pub fn submit(executor: &mut GpuExecutor, ticket: u64, plan: &FramePlan) {
     let GpuExecutor { gpu, pipelines, resident, targets, ring } = executor;
-    let frame = frame_group(gpu, pipelines, resident, plan);
     let (decks, draws) = decks(gpu, pipelines, resident, plan);
     for deck in &decks {
         pipelines.deck(gpu, deck.variant);
     }
-    let target = targets.of(gpu, plan.size_px);
+    let target = targets.of(gpu, plan.size_px, plan.deck_scale);
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    let recorder = Recorder { gpu, target, frame: &frame };
-    let batches = batches(&draws);
-    let mut first = true;
-    for batch in &batches {
-        recorder.deck(&mut encoder, pipelines, &decks, batch, first);
-        recorder.cull(&mut encoder, pipelines);
-        first = false;
+    let recorder = Recorder { gpu, target };
+    let nothing = resident.nothing.clone();
+    if !draws.is_empty() {
+        let frame = frame_group(gpu, pipelines, resident, plan, &plan.camera.coarser(plan.deck_scale), &nothing);
+        for (i, batch) in batches(&draws).iter().enumerate() {
+            recorder.deck(&mut encoder, pipelines, &frame, &decks, batch, i == 0);
+            recorder.cull(&mut encoder, pipelines);
+        }
     }
-    recorder.behind(&mut encoder, pipelines, plan, first);
+    let deck = if draws.is_empty() { &nothing } else { &target.deck_view };
+    let frame = frame_group(gpu, pipelines, resident, plan, &plan.camera, deck);
+    recorder.behind(&mut encoder, pipelines, &frame, plan);
     let (texture, content) = match plan.output {
         Output::Srgb8 => {
             recorder.tonemap(&mut encoder, pipelines);
@@ -59,8 +62,15 @@ pub fn submit(executor: &mut GpuExecutor, ticket: u64, plan: &FramePlan) {
     ring.enter(ticket, plan.size_px, content, copied, submission);
 }
 
-fn frame_group(gpu: &Gpu, pipelines: &Pipelines, resident: &mut Resident, plan: &FramePlan) -> wgpu::BindGroup {
-    let camera = gpu.buffer("camera", bytemuck::bytes_of(&plan.camera), wgpu::BufferUsages::UNIFORM);
+fn frame_group(
+    gpu: &Gpu,
+    pipelines: &Pipelines,
+    resident: &mut Resident,
+    plan: &FramePlan,
+    camera: &Camera,
+    deck: &wgpu::TextureView,
+) -> wgpu::BindGroup {
+    let camera = gpu.buffer("camera", bytemuck::bytes_of(camera), wgpu::BufferUsages::UNIFORM);
     let sky = gpu.buffer("sky", bytemuck::bytes_of(&plan.sky), wgpu::BufferUsages::UNIFORM);
     let table = resident.table(gpu, &plan.table);
     group(
@@ -73,6 +83,7 @@ fn frame_group(gpu: &Gpu, pipelines: &Pipelines, resident: &mut Resident, plan: 
             wgpu::BindingResource::Sampler(&resident.clamped),
             wgpu::BindingResource::TextureView(&resident.map),
             wgpu::BindingResource::Sampler(&resident.repeated),
+            wgpu::BindingResource::TextureView(deck),
         ],
     )
 }
@@ -183,31 +194,22 @@ fn batches(draws: &[Draw]) -> Vec<Vec<Draw>> {
 struct Recorder<'a> {
     gpu: &'a Gpu,
     target: &'a Target,
-    frame: &'a wgpu::BindGroup,
 }
 
 impl Recorder<'_> {
-    fn pass<'e>(&self, encoder: &'e mut wgpu::CommandEncoder, light: bool, clear: bool) -> wgpu::RenderPass<'e> {
-        let load = if clear { wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT) } else { wgpu::LoadOp::Load };
-        let attachment = wgpu::RenderPassColorAttachment {
-            view: &self.target.light_view,
-            depth_slice: None,
-            resolve_target: None,
-            ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
-        };
-        let attachments = [Some(attachment)];
+    /// A pass into the deck's targets, or into its depth alone.
+    fn deck_pass<'e>(&self, encoder: &'e mut wgpu::CommandEncoder, light: bool, clear: bool) -> wgpu::RenderPass<'e> {
+        let attachments = [Some(attachment(&self.target.deck_view, clear))];
         let depth_load = if clear { wgpu::LoadOp::Clear(1.0) } else { wgpu::LoadOp::Load };
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: None,
+            label: Some("deck"),
             color_attachments: &attachments[..usize::from(light)],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &self.target.depth_view,
                 depth_ops: Some(wgpu::Operations { load: depth_load, store: wgpu::StoreOp::Store }),
                 stencil_ops: None,
             }),
-            timestamp_writes: None,
-            occlusion_query_set: None,
-            multiview_mask: None,
+            ..Default::default()
         })
     }
 
@@ -215,12 +217,13 @@ impl Recorder<'_> {
         &self,
         encoder: &mut wgpu::CommandEncoder,
         pipelines: &mut Pipelines,
+        frame: &wgpu::BindGroup,
         decks: &[Deck],
         batch: &[Draw],
         first: bool,
     ) {
-        let mut pass = self.pass(encoder, true, first);
-        pass.set_bind_group(0, self.frame, &[]);
+        let mut pass = self.deck_pass(encoder, true, first);
+        pass.set_bind_group(0, frame, &[]);
         for draw in batch {
             let deck = &decks[draw.deck];
             pass.set_pipeline(pipelines.deck(self.gpu, deck.variant));
@@ -231,21 +234,31 @@ impl Recorder<'_> {
     }
 
     fn cull(&self, encoder: &mut wgpu::CommandEncoder, pipelines: &Pipelines) {
-        let gathered = wgpu::BindingResource::TextureView(&self.target.light_view);
+        let gathered = wgpu::BindingResource::TextureView(&self.target.deck_view);
         let group = group(self.gpu, &pipelines.image_layout, &[gathered]);
-        let mut pass = self.pass(encoder, false, false);
+        let mut pass = self.deck_pass(encoder, false, false);
         pass.set_pipeline(&pipelines.cull);
         pass.set_bind_group(1, &group, &[]);
         pass.draw(0..3, 0..1);
     }
 
-    fn behind(&self, encoder: &mut wgpu::CommandEncoder, pipelines: &Pipelines, plan: &FramePlan, first: bool) {
+    fn behind(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        pipelines: &Pipelines,
+        frame: &wgpu::BindGroup,
+        plan: &FramePlan,
+    ) {
         let ground = plan.ground.as_ref().map(|ground| {
             let uniform = self.gpu.buffer("ground", bytemuck::bytes_of(ground), wgpu::BufferUsages::UNIFORM);
             group(self.gpu, &pipelines.ground_layout, &[uniform.as_entire_binding()])
         });
-        let mut pass = self.pass(encoder, true, first);
-        pass.set_bind_group(0, self.frame, &[]);
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("behind"),
+            color_attachments: &[Some(attachment(&self.target.light_view, true))],
+            ..Default::default()
+        });
+        pass.set_bind_group(0, frame, &[]);
         if let Some(ground) = &ground {
             pass.set_pipeline(&pipelines.ground);
             pass.set_bind_group(1, ground, &[]);
@@ -260,19 +273,21 @@ impl Recorder<'_> {
         let group = group(self.gpu, &pipelines.image_layout, &[light]);
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("tonemap"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &self.target.picture_view,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
-            })],
-            depth_stencil_attachment: None,
-            timestamp_writes: None,
-            occlusion_query_set: None,
-            multiview_mask: None,
+            color_attachments: &[Some(attachment(&self.target.picture_view, true))],
+            ..Default::default()
         });
         pass.set_pipeline(&pipelines.tonemap);
         pass.set_bind_group(0, &group, &[]);
         pass.draw(0..3, 0..1);
+    }
+}
+
+fn attachment(view: &wgpu::TextureView, clear: bool) -> wgpu::RenderPassColorAttachment<'_> {
+    let load = if clear { wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT) } else { wgpu::LoadOp::Load };
+    wgpu::RenderPassColorAttachment {
+        view,
+        depth_slice: None,
+        resolve_target: None,
+        ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
     }
 }

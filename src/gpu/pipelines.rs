@@ -65,7 +65,7 @@ impl Pipelines {
         let layouts = Layouts::new(gpu);
         let fullscreen = |name: &str, group1: Option<&wgpu::BindGroupLayout>| {
             let layout = pipeline_layout(gpu, &[Some(&layouts.frame), group1]);
-            render(gpu, name, &module(name), &layout, Some(under(gpu.light_format)), Some(tested()), &[])
+            render(gpu, name, &module(name), &layout, Some(added(gpu.light_format)), None, &[])
         };
         let cull_layout = pipeline_layout(gpu, &[None, Some(&layouts.image)]);
         let tonemap_layout = pipeline_layout(gpu, &[Some(&layouts.image)]);
@@ -156,7 +156,7 @@ impl Layouts {
             frame: layout(
                 "frame",
                 drawing,
-                &[uniform, uniform, texture(D2, true), sampler, texture(D2, true), sampler],
+                &[uniform, uniform, texture(D2, true), sampler, texture(D2, true), sampler, texture(D2, true)],
             ),
             deck: layout(
                 "deck",
@@ -201,6 +201,17 @@ fn pipeline_layout(gpu: &Gpu, groups: &[Option<&wgpu::BindGroupLayout>]) -> wgpu
 fn under(format: wgpu::TextureFormat) -> wgpu::ColorTargetState {
     let component = wgpu::BlendComponent {
         src_factor: wgpu::BlendFactor::OneMinusDstAlpha,
+        dst_factor: wgpu::BlendFactor::One,
+        operation: wgpu::BlendOperation::Add,
+    };
+    let blend = Some(wgpu::BlendState { color: component, alpha: component });
+    wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL }
+}
+
+/// Light adds up.
+fn added(format: wgpu::TextureFormat) -> wgpu::ColorTargetState {
+    let component = wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::One,
         dst_factor: wgpu::BlendFactor::One,
         operation: wgpu::BlendOperation::Add,
     };

@@ -24,6 +24,8 @@ pub struct Shape {
 pub struct Resident {
     pub map: wgpu::TextureView,
     pub detail: wgpu::TextureView,
+    /// A deck that hides nothing.
+    pub nothing: wgpu::TextureView,
     /// Clamped, for the sky's table.
     pub clamped: wgpu::Sampler,
     /// Repeating along all axes.
@@ -55,6 +57,7 @@ impl Resident {
         Self {
             map: filled(gpu, "map", byte, [w, w, 1], modulation::map()),
             detail: filled(gpu, "detail", byte, [d, d, d], detail::volume()),
+            nothing: filled(gpu, "nothing", wgpu::TextureFormat::Rgba16Float, [1, 1, 1], &[0; 8]),
             clamped: sampler(ClampToEdge, ClampToEdge),
             repeated: sampler(Repeat, Repeat),
             tiled: sampler(Repeat, ClampToEdge),
@@ -102,7 +105,7 @@ impl Resident {
 
     /// Textures and buffers that live.
     pub fn count(&self) -> usize {
-        2 + usize::from(self.table.is_some()) + 2 * self.shapes.len() + self.volumes.len()
+        3 + usize::from(self.table.is_some()) + 2 * self.shapes.len() + self.volumes.len()
     }
 
     fn shape(&mut self, gpu: &Gpu, kind: CloudKind) -> &Shape {

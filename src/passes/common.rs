@@ -42,6 +42,12 @@ impl Camera {
         (Vec3::from(self.forward) + Vec3::from(self.right) * sx + Vec3::from(self.up) * sy).normalize()
     }
 
+    /// The same eye with `scale` times fewer pixels each way, rounded up.
+    pub fn coarser(&self, scale: u32) -> Self {
+        let size = |pixels: f32| (pixels / scale as f32).ceil();
+        Self { width_px: size(self.width_px), height_px: size(self.height_px), ..*self }
+    }
+
     /// Height above the sphere at range `t_m` along a ray whose upward component is `up`.
     pub fn height_at(&self, up: f32, t_m: f32) -> f32 {
         let r = self.earth_m + self.eye_m;

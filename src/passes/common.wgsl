@@ -55,6 +55,14 @@ const BRIGHTEST: f32 = 60000.0;
 @group(0) @binding(3) var clamped: sampler;
 @group(0) @binding(4) var map: texture_2d<f32>;
 @group(0) @binding(5) var repeated: sampler;
+// The deck by itself, exposed: light, and what it hides.
+@group(0) @binding(6) var deck_image: texture_2d<f32>;
+
+const OPAQUE: f32 = 0.004;
+
+fn deck_over(pixel: vec2<f32>) -> vec4<f32> {
+    return textureSampleLevel(deck_image, clamped, pixel / vec2<f32>(camera.width_px, camera.height_px), 0.0);
+}
 
 fn ray_of(pixel: vec2<f32>) -> vec3<f32> {
     let sx = 2.0 * pixel.x / camera.width_px - 1.0;

@@ -15,7 +15,7 @@ use glam::{Vec2, Vec3};
 /// No layer is drawn beyond this range: behind it is only haze at any visibility that the limits allow below 300 km.
 const FARTHEST_M: f64 = 300_000.0;
 /// Radius of the first ring around the eye.
-const FIRST_RING_M: f32 = 25.0;
+const FIRST_RING_M: f32 = 60.0;
 /// Radius of the last ring: beyond, slices are less than a pixel apart.
 const LAST_RING_M: f32 = 24_000.0;
 

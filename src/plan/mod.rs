@@ -33,6 +33,8 @@ pub struct FramePlan {
     pub table: TableParams,
     /// The ground, unless it is out of sight.
     pub ground: Option<Ground>,
+    /// Pixels of the picture each way to one of the deck, which is drawn apart and laid over what is behind.
+    pub deck_scale: u32,
     /// Cloud layers in sight, lowest base first.
     pub layers: Vec<LayerPlan>,
     /// One line a pass: kept or left out, and why.
@@ -92,6 +94,7 @@ pub fn plan(snapshot: &Snapshot, view: &ViewState, output: Output) -> FramePlan 
         sky: light.sky(&eye),
         table: light.table,
         ground,
+        deck_scale: snapshot.quality.deck_scale.max(1),
         layers,
         notes,
     }

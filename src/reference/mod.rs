@@ -4,14 +4,14 @@ use crate::clouds::density::DensityVolume;
 use crate::clouds::{CloudKind, detail, modulation};
 use crate::frame::Pixels;
 use crate::passes::deck::field::{Textures, column_bounds};
-use crate::passes::deck::twin::{Prepared, walk};
+use crate::passes::deck::twin::{OPAQUE, Prepared, walk};
 use crate::passes::light::Light;
 use crate::passes::sky::table::{TableParams, Texel, build};
 use crate::passes::sky::twin as sky;
 use crate::passes::{ground, light, tonemap};
 use crate::plan::executor::{Executor, Fault, Finished};
 use crate::plan::{FramePlan, Output};
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -97,12 +97,13 @@ fn keep<K: PartialEq, V>(kept: &mut VecDeque<(K, Arc<V>)>, key: K, most: usize, 
 
 fn picture(plan: &FramePlan, table: &[Texel], layers: &[Prepared]) -> Pixels {
     let [width, height] = plan.size_px.map(|n| n as usize);
+    let deck = DeckImage::new(plan, table, layers);
     match plan.output {
         Output::Srgb8 => {
             let mut bytes = vec![0u8; width * height * 4];
             bytes.par_chunks_mut(width * 4).enumerate().for_each(|(y, row)| {
                 for (x, pixel) in row.chunks_exact_mut(4).enumerate() {
-                    let exposed = luminance(plan, table, layers, x, y) * plan.camera.exposure;
+                    let exposed = luminance(plan, table, &deck, x, y) * plan.camera.exposure;
                     pixel.copy_from_slice(&tonemap::twin::tonemap(exposed, x as u32, y as u32));
                 }
             });
@@ -112,7 +113,7 @@ fn picture(plan: &FramePlan, table: &[Texel], layers: &[Prepared]) -> Pixels {
             let mut values = vec![0f32; width * height * 3];
             values.par_chunks_mut(width * 3).enumerate().for_each(|(y, row)| {
                 for (x, pixel) in row.chunks_exact_mut(3).enumerate() {
-                    pixel.copy_from_slice(&luminance(plan, table, layers, x, y).to_array());
+                    pixel.copy_from_slice(&luminance(plan, table, &deck, x, y).to_array());
                 }
             });
             Pixels::LinearRgb(values)
@@ -120,25 +121,67 @@ fn picture(plan: &FramePlan, table: &[Texel], layers: &[Prepared]) -> Pixels {
     }
 }
 
+/// The deck by itself, at its own resolution: luminance and what it hides.
+struct DeckImage {
+    size: [usize; 2],
+    texels: Vec<Vec4>,
+}
+
+impl DeckImage {
+    fn new(plan: &FramePlan, table: &[Texel], layers: &[Prepared]) -> Self {
+        if layers.is_empty() {
+            return Self { size: [1, 1], texels: vec![Vec4::ZERO] };
+        }
+        let camera = plan.camera.coarser(plan.deck_scale);
+        let size = [camera.width_px as usize, camera.height_px as usize];
+        let mut texels = vec![Vec4::ZERO; size[0] * size[1]];
+        texels.par_chunks_mut(size[0]).enumerate().for_each(|(y, row)| {
+            for (x, texel) in row.iter_mut().enumerate() {
+                let direction = camera.ray(x as f32 + 0.5, y as f32 + 0.5);
+                let end_m = ground::twin::range(&camera, direction);
+                let (air, passed) = sky::air(&plan.sky, table, direction);
+                // Luminance that an endless column of this air would have: what haze in front of things tends to.
+                let endless = air / (1.0 - passed).max(0.02);
+                let gathered = walk(&camera, layers, direction, end_m, endless);
+                *texel = gathered.luminance.extend(1.0 - gathered.transmittance);
+            }
+        });
+        Self { size, texels }
+    }
+
+    /// Bilinear, clamped; coordinates in the whole picture, 0 to 1.
+    fn at(&self, u: f32, v: f32) -> Vec4 {
+        let [width, height] = self.size;
+        let (x, y) = (u * width as f32 - 0.5, v * height as f32 - 0.5);
+        let (x0, y0) = (x.floor(), y.floor());
+        let texel = |dx: i32, dy: i32| {
+            let column = (x0 as i32 + dx).clamp(0, width as i32 - 1) as usize;
+            let row = (y0 as i32 + dy).clamp(0, height as i32 - 1) as usize;
+            self.texels[column + row * width]
+        };
+        let low = texel(0, 0).lerp(texel(1, 0), x - x0);
+        low.lerp(texel(0, 1).lerp(texel(1, 1), x - x0), y - y0)
+    }
+}
+
 /// Luminance of one pixel, cd/m2 per colour.
-fn luminance(plan: &FramePlan, table: &[Texel], layers: &[Prepared], x: usize, y: usize) -> Vec3 {
-    let direction = plan.camera.ray(x as f32 + 0.5, y as f32 + 0.5);
+fn luminance(plan: &FramePlan, table: &[Texel], deck: &DeckImage, x: usize, y: usize) -> Vec3 {
+    let at = [x as f32 + 0.5, y as f32 + 0.5];
+    let gathered = deck.at(at[0] / plan.camera.width_px, at[1] / plan.camera.height_px);
+    let shows = 1.0 - gathered.w;
+    if shows < OPAQUE {
+        return gathered.truncate();
+    }
+    let direction = plan.camera.ray(at[0], at[1]);
     let (air, passed) = sky::air(&plan.sky, table, direction);
     let end_m = ground::twin::range(&plan.camera, direction);
-    // Luminance that an endless column of this air would have: what haze in front of things tends to.
-    let endless = air / (1.0 - passed).max(0.02);
-    let gathered = walk(&plan.camera, layers, direction, end_m, endless);
-    let mut behind = air;
-    if gathered.transmittance > crate::passes::deck::twin::OPAQUE {
-        match &plan.ground {
-            Some(g) if end_m.is_finite() => {
-                let seen = ground::twin::luminance(g, modulation::map(), &plan.camera, direction, end_m, 1.0);
-                behind += seen * passed;
-            }
-            _ => behind += sky::discs(&plan.sky, direction),
+    let behind = match &plan.ground {
+        Some(g) if end_m.is_finite() => {
+            air + passed * ground::twin::luminance(g, modulation::map(), &plan.camera, direction, end_m, 1.0)
         }
-    }
-    gathered.luminance + behind * gathered.transmittance
+        _ => air + sky::discs(&plan.sky, direction),
+    };
+    gathered.truncate() + behind * shows
 }
 
 impl Executor for ReferenceExecutor {

@@ -191,6 +191,8 @@ pub const SCENARIO_DURATION_S: Range = Range::new(0.0, world::SIMULATION_TIME_S[
 
 /// Slices per cloud layer (deck paper eq. 12, N).
 pub const SLICES: Whole = Whole::new(world::SLICES[0] as u64, world::SLICES[1] as u64);
+/// Pixels of the picture each way to one of the deck.
+pub const DECK_SCALE: Whole = Whole::new(world::DECK_SCALE[0] as u64, world::DECK_SCALE[1] as u64);
 /// Ratio between the radii of neighbouring billboard rings.
 pub const RING_RATIO: Range = Range::of(world::RING_RATIO);
 /// Interval whose light a frame gathers.

@@ -89,5 +89,7 @@ pub const STROKE_DELAY_S: [f64; 2] = [0.0, 5.0];
 
 /// Slices per layer.
 pub const SLICES: [u32; 2] = [1, 128];
+/// Pixels of the picture each way to one of the deck.
+pub const DECK_SCALE: [u32; 2] = [1, 4];
 /// Ratio between the radii of neighbouring billboard rings.
 pub const RING_RATIO: [f64; 2] = [1.01, 4.0];

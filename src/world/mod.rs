@@ -33,7 +33,7 @@ use snapshot::Quality;
 use state::State;
 
 /// The quality of a new world.
-pub const DEFAULT_QUALITY: Quality = Quality { slices: 32, ring_ratio: 1.2 };
+pub const DEFAULT_QUALITY: Quality = Quality { slices: 32, ring_ratio: 1.25, deck_scale: 1 };
 
 /// The world.
 #[derive(Clone, Debug)]
@@ -118,6 +118,7 @@ impl World {
         if !quality.ring_ratio.is_nan() {
             self.quality.ring_ratio = quality.ring_ratio.clamp(low, high);
         }
+        self.quality.deck_scale = quality.deck_scale.clamp(limits::DECK_SCALE[0], limits::DECK_SCALE[1]);
         self.quality.slices = quality.slices.clamp(limits::SLICES[0], limits::SLICES[1]);
     }
 

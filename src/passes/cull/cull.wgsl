@@ -1,6 +1,4 @@
 // Pixels behind which nothing more can be seen are moved to the front of the depth range, where they stop what follows.
-const OPAQUE: f32 = 0.004;
-
 @group(1) @binding(0) var gathered: texture_2d<f32>;
 
 @vertex

@@ -57,7 +57,6 @@ const DETAIL_NEAR_M: f32 = 2500.0;
 const DETAIL_FAR_M: f32 = 9000.0;
 const DIFFUSE_RANGE: f32 = 5.0;
 const PER_STERADIAN: f32 = 0.07957747;
-const OPAQUE: f32 = 0.004;
 
 @group(1) @binding(0) var<uniform> layer: Layer;
 @group(1) @binding(1) var<uniform> sector: Sector;
@@ -264,28 +263,30 @@ fn deck_fragment(in: Passed) -> @location(0) vec4<f32> {
     if far_t >= FAR || (falling && up >= 0.0) {
         return nothing;
     }
-    let ground_t = crossings(up, 0.0).x;
-    if far_t > ground_t {
+    // Only falling rays meet the ground.
+    if up < 0.0 && far_t > crossings(up, 0.0).x {
         return nothing;
     }
-    // Where this leg of the ray enters the layer.
-    let top = layer.base_m + layer.thickness_m;
-    var from_t = 0.0;
-    if falling {
-        if camera.eye_m > top {
-            from_t = crossings(up, top).x;
-        }
-    } else {
-        let begin = crossings(up, layer.base_m).y;
-        from_t = select(lowest_t, begin, begin < FAR && (camera.eye_m < layer.base_m || up < 0.0));
-    }
-    var near_t = from_t;
+    var near_t = in.shells.z / max(flat_share, 1e-4);
+    var enters = false;
     if kind == 0u {
         let t = crossings(up, in.shells.x);
-        let found = select(t.y, t.x, falling);
-        near_t = select(from_t, max(found, from_t), found < FAR);
-    } else {
-        near_t = max(in.shells.z / max(flat_share, 1e-4), from_t);
+        near_t = select(t.y, t.x, falling);
+        enters = near_t >= FAR;
+    }
+    // Rings, and the first slab, begin no sooner than the ray enters the layer on this leg.
+    if kind != 0u || enters {
+        var from_t = 0.0;
+        if falling {
+            let top = layer.base_m + layer.thickness_m;
+            if camera.eye_m > top {
+                from_t = crossings(up, top).x;
+            }
+        } else {
+            let begin = crossings(up, layer.base_m).y;
+            from_t = select(lowest_t, begin, begin < FAR && (camera.eye_m < layer.base_m || up < 0.0));
+        }
+        near_t = select(max(near_t, from_t), from_t, enters);
     }
     let ds = far_t - near_t;
     if !(ds > 0.0) {
@@ -298,7 +299,7 @@ fn deck_fragment(in: Passed) -> @location(0) vec4<f32> {
     if share <= 0.0 {
         return nothing;
     }
-    let steps = clamp(u32(ceil(ds / (50.0 + 0.02 * middle))), 1u, 4u);
+    let steps = clamp(u32(ceil(ds / (60.0 + 0.03 * middle))), 1u, 16u);
     let piece = ds / f32(steps);
     var near = look(direction, near_t);
     var light = vec3<f32>(0.0);
@@ -320,6 +321,9 @@ fn deck_fragment(in: Passed) -> @location(0) vec4<f32> {
             transmittance *= 1.0 - alpha;
         }
         near = far;
+        if transmittance < OPAQUE {
+            break;
+        }
     }
     return vec4<f32>(min(light * camera.exposure, vec3<f32>(BRIGHTEST)), 1.0 - transmittance);
 }

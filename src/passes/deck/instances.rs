@@ -7,7 +7,7 @@
 
 use super::twin::{ring_ratio, ring_weight};
 use super::{CAP, DOWN, Instance, Layer, RING, SLAB};
-use crate::clouds::slices::heights;
+use crate::clouds::slices;
 
 /// Instances of one layer, near to far.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -30,7 +30,7 @@ struct View<'a> {
 /// The instances of a layer for an eye.
 pub fn instances(layer: &Layer, slices: u32, earth_m: f32, eye_m: f32) -> Instances {
     let view = View { layer, earth_m, eye_m };
-    let shells: Vec<f32> = heights(slices, layer.thickness_m).into_iter().map(|h| layer.base_m + h).collect();
+    let shells: Vec<f32> = slices::shells(slices, layer.thickness_m).into_iter().map(|h| layer.base_m + h).collect();
     let ratio = ring_ratio(layer);
     let (mut found, mut inner, mut outer) = (Instances::default(), 0.0, layer.ring_first_m);
     while inner < layer.extent_m {

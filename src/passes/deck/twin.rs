@@ -2,7 +2,7 @@
 
 use super::Layer;
 use super::field::{Sample, Textures, phase, sample, source};
-use crate::clouds::slices::heights;
+use crate::clouds::slices::shells;
 use crate::passes::common::{Camera, smoothstep};
 use glam::Vec3;
 
@@ -22,7 +22,7 @@ pub struct Gathered {
 pub struct Prepared<'a> {
     /// Parameters.
     pub layer: &'a Layer,
-    /// Heights of the slices over the sphere, lowest first.
+    /// Heights of the shells between groups of slices over the sphere, lowest first.
     pub slices: Vec<f32>,
     /// What its look-ups read.
     pub textures: Textures<'a>,
@@ -31,7 +31,7 @@ pub struct Prepared<'a> {
 impl<'a> Prepared<'a> {
     /// A layer with `slices` slices.
     pub fn new(layer: &'a Layer, slices: u32, textures: Textures<'a>) -> Self {
-        let slices = heights(slices, layer.thickness_m).into_iter().map(|h| layer.base_m + h).collect();
+        let slices = shells(slices, layer.thickness_m).into_iter().map(|h| layer.base_m + h).collect();
         Self { layer, slices, textures }
     }
 }
@@ -117,19 +117,21 @@ impl Ray<'_> {
         let mut k = ((from * self.flat / layer.ring_first_m).max(1e-6).ln() / ratio.ln()).ceil().max(0.0) as i32;
         let mut slabs = End { t: from, margin: None };
         let mut rings = End { t: from, margin: None };
+        // What is left beyond the last ring belongs to the slabs.
+        let ring_before_end = |k: i32| if ring_t(k) < to { ring_t(k) } else { f32::INFINITY };
+        let (mut next_slice, mut next_ring) = (slice_t(i), ring_before_end(k));
         loop {
-            let (next_slice, next_ring) = (slice_t(i), ring_t(k));
-            // What is left beyond the last ring belongs to the slabs.
-            let next_ring = if next_ring < to { next_ring } else { f32::INFINITY };
             if next_slice.is_infinite() && next_ring.is_infinite() {
                 break;
             }
             if next_slice <= next_ring {
                 self.segment(prepared, &mut slabs, next_slice, false, gathered);
                 i += 1;
+                next_slice = slice_t(i);
             } else {
                 self.segment(prepared, &mut rings, next_ring, true, gathered);
                 k += 1;
+                next_ring = ring_before_end(k);
             }
             if gathered.transmittance < OPAQUE {
                 return;
@@ -190,9 +192,9 @@ impl Ray<'_> {
     }
 }
 
-/// Looks a long piece of the ray is cut into: pieces grow with the range, as pixels do.
+/// Looks that a piece of the ray is cut into: steps grow with the range, as pixels do.
 fn steps(ds: f32, t: f32) -> u32 {
-    ((ds / (50.0 + 0.02 * t)).ceil() as u32).clamp(1, 4)
+    ((ds / (60.0 + 0.03 * t)).ceil() as u32).clamp(1, 16)
 }
 
 /// Where a piece of the ray ended, and what was found there.

@@ -89,10 +89,11 @@ fn ground_vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f
 fn ground_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
     let direction = ray_of(at.xy);
     let t = crossings(direction.z, 0.0).x;
-    if camera.eye_m <= 0.0 || t >= FAR {
+    let shows = 1.0 - deck_over(at.xy).a;
+    if camera.eye_m <= 0.0 || t >= FAR || shows < OPAQUE {
         return vec4<f32>(0.0);
     }
     let air = air_along(direction);
-    let seen = ground_luminance(direction, t, 1.0) * air.a;
+    let seen = ground_luminance(direction, t, 1.0) * (air.a * shows);
     return vec4<f32>(min(seen * camera.exposure, vec3<f32>(BRIGHTEST)), 0.0);
 }

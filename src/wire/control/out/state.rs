@@ -37,6 +37,8 @@ pub struct StateMessage {
     pub sky: SkyOut,
     /// Slices per cloud layer.
     pub slices: u32,
+    /// Pixels of the picture each way to one of the deck.
+    pub deck_scale: u32,
     /// Ratio between the radii of neighbouring billboard rings.
     pub ring_ratio: f64,
     /// The scenario player.

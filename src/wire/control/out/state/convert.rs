@@ -26,6 +26,7 @@ impl StateMessage {
             flashes: snapshot.flashes.iter().map(FlashOut::from).collect(),
             sky: SkyOut::seen_from(&snapshot.ownship.position, &snapshot.sky),
             slices: snapshot.quality.slices,
+            deck_scale: snapshot.quality.deck_scale,
             ring_ratio: snapshot.quality.ring_ratio,
             player,
         }
