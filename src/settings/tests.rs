@@ -85,7 +85,7 @@ fn both_ends_of_every_range_hold() {
         }
         tried += 1;
     }
-    assert_eq!(tried, 9, "fields with a range");
+    assert!(tried >= 9, "only {tried} fields with a range were tried");
 }
 
 #[test]
