@@ -4,7 +4,7 @@ use super::app::App;
 use super::dispatch::{Session, Verdict};
 use super::flood::{Bucket, Verdict as Flood};
 use super::hub::Client;
-use super::queue::{AWAY, Copy, Item, POLICY};
+use super::queue::{AWAY, Copy, Item, POLICY, TOO_BIG};
 use crate::wire::control;
 use crate::wire::control::out::{Outbound, Refusal};
 use crate::wire::frames::{self, FrameError, FrameHeader};
@@ -17,6 +17,7 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 use std::time::{Duration, Instant};
+use tokio_tungstenite::tungstenite::{self, error::ProtocolError};
 use tokio_util::sync::CancellationToken;
 
 /// Between two pings: a client that is there answers, one that vanished falls silent and is closed by the socket's rule.
@@ -91,10 +92,10 @@ async fn read(
             Some(Ok(Message::Text(text))) => Some(text),
             Some(Ok(Message::Binary(_))) => None,
             Some(Err(error)) => {
-                tracing::debug!(client = client.id, %error, "connection error");
-                client.queue.close_with(POLICY, "a message was too long or broken");
+                let (code, why) = judge(&error);
+                client.queue.close_with(code, why);
                 ended.cancelled().await;
-                return "its message was too long or broken, or its connection failed";
+                return why;
             }
         };
         app.metrics.messages.fetch_add(1, Relaxed);
@@ -121,6 +122,20 @@ async fn read(
             ended.cancelled().await;
             return why;
         }
+    }
+}
+
+/// What a failure to read means: close code and reason.
+fn judge(error: &axum::Error) -> (u16, &'static str) {
+    let cause = std::error::Error::source(error).and_then(|source| source.downcast_ref::<tungstenite::Error>());
+    match cause {
+        Some(tungstenite::Error::Capacity(_)) => (TOO_BIG, "its message was too long"),
+        Some(tungstenite::Error::Utf8(_)) => (POLICY, "its message was no text"),
+        Some(tungstenite::Error::Io(_)) => (POLICY, "its connection broke or fell silent"),
+        Some(tungstenite::Error::Protocol(ProtocolError::ResetWithoutClosingHandshake)) => {
+            (POLICY, "it vanished without a goodbye")
+        }
+        _ => (POLICY, "it broke the WebSocket protocol"),
     }
 }
 

@@ -193,6 +193,8 @@ impl Queue {
 
 /// WebSocket close code: the client broke a rule (RFC 6455, 7.4.1).
 pub(super) const POLICY: u16 = 1008;
+/// WebSocket close code: a message is too long.
+pub(super) const TOO_BIG: u16 = 1009;
 /// WebSocket close code: the server goes away.
 pub(super) const AWAY: u16 = 1001;
 

@@ -103,7 +103,8 @@ async fn a_message_that_is_too_long_ends_that_connection_only() {
     let long = format!("{{\"type\":\"{}\"}}", "x".repeat(stormdeck::wire::limits::MESSAGE_BYTES));
     // The server may close while it is still being sent.
     let _closed = watcher.client.send(long).await;
-    watcher.end().await;
+    let reason = watcher.end().await;
+    assert!(reason.as_deref().is_none_or(|reason| reason.contains("too long")), "{reason:?}");
     host.acked(json!({"type": "weather", "visibility_m": 5000.0})).await;
     server.until_metric("stormdeck_clients", |clients| clients == 1.0).await;
     server.stop().await;
