@@ -177,3 +177,6 @@ pub struct SteppedFrame {
     /// Copies written.
     pub copies: u32,
 }
+
+#[cfg(test)]
+mod tests;
