@@ -52,9 +52,12 @@ fn message(snapshot: &Snapshot) -> StateMessage {
     StateMessage::new(Some(1), snapshot, Player::default())
 }
 
+/// What is changed, and how.
+type Change = (&'static str, fn(&mut Snapshot));
+
 #[test]
 fn every_part_of_a_snapshot_is_in_the_state_message() {
-    let changes: &[(&str, fn(&mut Snapshot))] = &[
+    let changes: &[Change] = &[
         ("number", |s| s.number += 1),
         ("host_frame", |s| s.host_frame += 1),
         ("simulation_time_s", |s| s.simulation_time_s += 1.0),
