@@ -70,8 +70,8 @@ fn frame_group(
     camera: &Camera,
     deck: &wgpu::TextureView,
 ) -> wgpu::BindGroup {
-    let camera = gpu.buffer("camera", bytemuck::bytes_of(camera), wgpu::BufferUsages::UNIFORM);
-    let sky = gpu.buffer("sky", bytemuck::bytes_of(&plan.sky), wgpu::BufferUsages::UNIFORM);
+    let camera = gpu.buffer("camera", bytemuck::bytes_of(camera), wgpu::BufferUsages::STORAGE);
+    let sky = gpu.buffer("sky", bytemuck::bytes_of(&plan.sky), wgpu::BufferUsages::STORAGE);
     let table = resident.table(gpu, &plan.table);
     group(
         gpu,
@@ -141,8 +141,8 @@ fn deck(
     let volumes: Vec<_> = layer.light.iter().map(|l| resident.volume(gpu, pipelines, layer.kind, l)).collect();
     let bounds = resident.bounds(gpu, layer.kind);
     let (sector, steps) = sector(&plan.camera);
-    let uniform = gpu.buffer("layer", bytemuck::bytes_of(&layer.layer), wgpu::BufferUsages::UNIFORM);
-    let sector = gpu.buffer("sector", bytemuck::bytes_of(&sector), wgpu::BufferUsages::UNIFORM);
+    let uniform = gpu.buffer("layer", bytemuck::bytes_of(&layer.layer), wgpu::BufferUsages::STORAGE);
+    let sector = gpu.buffer("sector", bytemuck::bytes_of(&sector), wgpu::BufferUsages::STORAGE);
     let volume = |i: usize| wgpu::BindingResource::TextureView(volumes.get(i).unwrap_or(&volumes[0]));
     let group = group(
         gpu,
@@ -250,7 +250,7 @@ impl Recorder<'_> {
         plan: &FramePlan,
     ) {
         let ground = plan.ground.as_ref().map(|ground| {
-            let uniform = self.gpu.buffer("ground", bytemuck::bytes_of(ground), wgpu::BufferUsages::UNIFORM);
+            let uniform = self.gpu.buffer("ground", bytemuck::bytes_of(ground), wgpu::BufferUsages::STORAGE);
             group(self.gpu, &pipelines.ground_layout, &[uniform.as_entire_binding()])
         });
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {

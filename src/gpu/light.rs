@@ -34,7 +34,7 @@ impl Scratch {
         Self {
             above: storage("depths above", HEIGHT),
             below: storage("depths below", 2),
-            slices: gpu.buffer("slice numbers", &numbers, wgpu::BufferUsages::UNIFORM),
+            slices: gpu.buffer("slice numbers", &numbers, wgpu::BufferUsages::STORAGE),
         }
     }
 }
@@ -52,7 +52,7 @@ pub fn compute(
     let usage = Usage::STORAGE_BINDING | Usage::TEXTURE_BINDING | Usage::COPY_SRC;
     let volume = empty(gpu, "light volume", wgpu::TextureFormat::Rgba8Unorm, size, usage);
     let view = volume.create_view(&wgpu::TextureViewDescriptor::default());
-    let uniform = gpu.buffer("light", bytemuck::bytes_of(params), wgpu::BufferUsages::UNIFORM);
+    let uniform = gpu.buffer("light", bytemuck::bytes_of(params), wgpu::BufferUsages::STORAGE);
     let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
     let slice = wgpu::BufferBinding { buffer: &scratch.slices, offset: 0, size: wgpu::BufferSize::new(16) };
     let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {

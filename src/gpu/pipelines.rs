@@ -142,7 +142,10 @@ impl Layouts {
         };
         let buffer =
             |ty, has_dynamic_offset| wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
-        let uniform = buffer(wgpu::BufferBindingType::Uniform, false);
+        // Parameters stand in read-only storage, not in uniform buffers: Mesa's lavapipe compiles the values of a uniform
+        // buffer that a branch reads into a new variant of the shader at every change of a value, never frees it, and
+        // spends a quarter of a second and megabytes on each frame (Mesa 22.3; seen as memory that grew by 20 MiB a frame).
+        let parameters = buffer(wgpu::BufferBindingType::Storage { read_only: true }, false);
         let storage = buffer(wgpu::BufferBindingType::Storage { read_only: false }, false);
         let texture = |view_dimension, filterable| wgpu::BindingType::Texture {
             sample_type: wgpu::TextureSampleType::Float { filterable },
@@ -156,21 +159,21 @@ impl Layouts {
             frame: layout(
                 "frame",
                 drawing,
-                &[uniform, uniform, texture(D2, true), sampler, texture(D2, true), sampler, texture(D2, true)],
+                &[parameters, parameters, texture(D2, true), sampler, texture(D2, true), sampler, texture(D2, true)],
             ),
             deck: layout(
                 "deck",
                 drawing,
-                &[uniform, uniform, volume, volume, volume, texture(D2, true), volume, sampler],
+                &[parameters, parameters, volume, volume, volume, texture(D2, true), volume, sampler],
             ),
-            ground: layout("ground", drawing, &[uniform]),
+            ground: layout("ground", drawing, &[parameters]),
             image: layout("image", drawing, &[texture(D2, false)]),
             light: layout(
                 "light",
                 wgpu::ShaderStages::COMPUTE,
                 &[
-                    uniform,
-                    buffer(wgpu::BufferBindingType::Uniform, true),
+                    parameters,
+                    buffer(wgpu::BufferBindingType::Storage { read_only: true }, true),
                     texture(D3, false),
                     storage,
                     storage,

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 
-/// Eye, picture and air. Uniform; twin of `Camera` in `common.wgsl`.
+/// Eye, picture and air. Parameters; twin of `Camera` in `common.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Camera {

@@ -49,8 +49,8 @@ const RIM: f32 = 0.94;
 // Brightest exposed value: an f16 target holds 65504.
 const BRIGHTEST: f32 = 60000.0;
 
-@group(0) @binding(0) var<uniform> camera: Camera;
-@group(0) @binding(1) var<uniform> sky: Sky;
+@group(0) @binding(0) var<storage, read> camera: Camera;
+@group(0) @binding(1) var<storage, read> sky: Sky;
 @group(0) @binding(2) var sky_table: texture_2d<f32>;
 @group(0) @binding(3) var clamped: sampler;
 @group(0) @binding(4) var map: texture_2d<f32>;

@@ -58,8 +58,8 @@ const DETAIL_FAR_M: f32 = 9000.0;
 const DIFFUSE_RANGE: f32 = 5.0;
 const PER_STERADIAN: f32 = 0.07957747;
 
-@group(1) @binding(0) var<uniform> layer: Layer;
-@group(1) @binding(1) var<uniform> sector: Sector;
+@group(1) @binding(0) var<storage, read> layer: Layer;
+@group(1) @binding(1) var<storage, read> sector: Sector;
 @group(1) @binding(2) var volume0: texture_3d<f32>;
 @group(1) @binding(3) var volume1: texture_3d<f32>;
 @group(1) @binding(4) var volume2: texture_3d<f32>;

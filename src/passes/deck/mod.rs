@@ -18,7 +18,7 @@ pub const REGIONS: usize = 4;
 /// Flashes that light the deck at once.
 pub const FLASHES: usize = 8;
 
-/// A region's outline around the eye. Uniform; twin of `Region` in `deck.wgsl`.
+/// A region's outline around the eye. Parameters; twin of `Region` in `deck.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Region {
@@ -42,7 +42,7 @@ pub struct Region {
     pub pad2: f32,
 }
 
-/// A flash as a point light. Uniform; twin of `Flash` in `deck.wgsl`.
+/// A flash as a point light. Parameters; twin of `Flash` in `deck.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Flash {
@@ -52,7 +52,7 @@ pub struct Flash {
     pub intensity: f32,
 }
 
-/// Everything about one layer. Uniform; twin of `Layer` in `deck.wgsl`.
+/// Everything about one layer. Parameters; twin of `Layer` in `deck.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Layer {

@@ -7,7 +7,7 @@ use std::f32::consts::{PI, TAU};
 /// Widest step of azimuth between two columns of the mesh.
 const STEP_RAD: f32 = 0.06;
 
-/// Azimuths of the mesh's columns. Uniform; twin of `Sector` in `deck.wgsl`.
+/// Azimuths of the mesh's columns. Parameters; twin of `Sector` in `deck.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Sector {

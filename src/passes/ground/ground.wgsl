@@ -11,7 +11,7 @@ struct Ground {
     flash: array<Flash, 8>,
 }
 
-@group(1) @binding(0) var<uniform> ground: Ground;
+@group(1) @binding(0) var<storage, read> ground: Ground;
 
 var<private> places: array<vec2<f32>, 3>;
 var<private> shares: array<f32, 3>;

@@ -9,7 +9,7 @@ use crate::passes::common::{CHARTS, Chart};
 use crate::passes::deck::{FLASHES, Flash};
 use bytemuck::{Pod, Zeroable};
 
-/// Light on the ground and where its textures lie. Uniform; twin of `Ground` in `ground.wgsl`.
+/// Light on the ground and where its textures lie. Parameters; twin of `Ground` in `ground.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Ground {

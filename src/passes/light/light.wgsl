@@ -24,8 +24,8 @@ const ASYMMETRY: f32 = 0.85;
 const FORWARD_SHARE: f32 = 0.55;
 const DIFFUSE_RANGE: f32 = 5.0;
 
-@group(0) @binding(0) var<uniform> light: Light;
-@group(0) @binding(1) var<uniform> slice: Slice;
+@group(0) @binding(0) var<storage, read> light: Light;
+@group(0) @binding(1) var<storage, read> slice: Slice;
 @group(0) @binding(2) var shape: texture_3d<f32>;
 // Depths towards the light and the zenith above each voxel, slice by slice.
 @group(0) @binding(3) var<storage, read_write> above: array<vec2<f32>>;

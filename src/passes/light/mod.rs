@@ -25,7 +25,7 @@ pub const FORWARD_SHARE: f32 = 0.55;
 /// Stored diffuse values are shares of this many times the light outside over 4 pi.
 pub const DIFFUSE_RANGE: f32 = 5.0;
 
-/// Parameters of one light volume. Uniform; twin of `Light` in `light.wgsl`.
+/// Parameters of one light volume. Parameters; twin of `Light` in `light.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Light {

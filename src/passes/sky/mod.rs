@@ -9,7 +9,7 @@ pub mod twin;
 
 use bytemuck::{Pod, Zeroable};
 
-/// Where the table's halves meet and what shines by itself. Uniform; twin of `Sky` in `common.wgsl`.
+/// Where the table's halves meet and what shines by itself. Parameters; twin of `Sky` in `common.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Sky {
