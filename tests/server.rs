@@ -11,6 +11,8 @@ mod harness;
 
 #[path = "server/access.rs"]
 mod access;
+#[path = "server/answers.rs"]
+mod answers;
 #[path = "server/faults.rs"]
 mod faults;
 #[path = "server/frames.rs"]

@@ -1,7 +1,7 @@
 //! The end: everybody is told, every task is gone, whoever is stuck.
 
 use crate::executor::Control;
-use crate::harness::Server;
+use crate::harness::{Server, guarded};
 use serde_json::json;
 use std::sync::Arc;
 
@@ -32,7 +32,13 @@ async fn every_task_ends_even_with_stuck_clients_and_half_requests() {
     tokio::io::AsyncWriteExt::write_all(&mut half, b"GET /frame.png HTTP/1.1\r\nHost: 127").await.unwrap();
     let address = server.address;
     server.stop().await;
-    assert_eq!(alive.num_alive_tasks(), before);
+    // Their work is done; the last may still be on its way out of the scheduler, which counts it until then.
+    guarded("the end of every task", async {
+        while alive.num_alive_tasks() > before {
+            tokio::task::yield_now().await;
+        }
+    })
+    .await;
     tokio::net::TcpListener::bind(address).await.expect("the port is free again");
 }
 
