@@ -142,9 +142,9 @@ impl Layouts {
         };
         let buffer =
             |ty, has_dynamic_offset| wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
-        // Parameters stand in read-only storage, not in uniform buffers: Mesa's lavapipe compiles the values of a uniform
-        // buffer that a branch reads into a new variant of the shader at every change of a value, never frees it, and
-        // spends a quarter of a second and megabytes on each frame (Mesa 22.3; seen as memory that grew by 20 MiB a frame).
+        // Parameters stand in read-only storage, not in uniform buffers: with those, Mesa's lavapipe (22.3) went back to its
+        // shader compiler at every change of a value and kept what it had made, up to 20 MiB a frame. It seems to inline
+        // uniform values that a branch reads.
         let parameters = buffer(wgpu::BufferBindingType::Storage { read_only: true }, false);
         let storage = buffer(wgpu::BufferBindingType::Storage { read_only: false }, false);
         let texture = |view_dimension, filterable| wgpu::BindingType::Texture {
