@@ -7,6 +7,7 @@
 
 use super::density::{DensityVolume, HEIGHT, WIDTH};
 use super::kind::CloudKind;
+use rayon::prelude::*;
 use std::sync::{Arc, LazyLock, Mutex};
 
 const STEPS: usize = 64;
@@ -52,9 +53,9 @@ impl Coverage {
         let look = kind.appearance();
         let full = look.extinction_per_m * look.usual_thickness_m;
         // Seen as cloud: an optical depth of 1, or a third of what the thin genera can reach.
-        let seen = column_thetas(kind, 1.0f32.min(full / 3.0));
+        let seen = histogram(&column_thetas(kind, 1.0f32.min(full / 3.0)));
         // Overcast hides the ground: 5 lets 0.7 % of direct light through; thin genera cannot, and get 60 % of their most.
-        let hiding = column_thetas(kind, 5.0f32.min(full * 0.6));
+        let hiding = histogram(&column_thetas(kind, 5.0f32.min(full * 0.6)));
         let patchiness = look.patchiness;
         let mut offsets = [0.0; STEPS + 1];
         for (i, offset) in offsets.iter_mut().enumerate() {
@@ -76,16 +77,14 @@ fn column_thetas(kind: CloudKind, depth: f32) -> Vec<f32> {
     let per_voxel = look.extinction_per_m * look.usual_thickness_m / HEIGHT as f32;
     let columns = WIDTH * WIDTH;
     (0..columns)
+        .into_par_iter()
         .map(|column| {
+            let values: [f32; HEIGHT] =
+                std::array::from_fn(|z| f32::from(volume.shape[column + z * columns]) * (1.0 / 255.0));
             let (mut low, mut high) = (-1.0f32, 1.0f32);
             for _ in 0..12 {
                 let theta = 0.5 * (low + high);
-                let sum: f32 = (0..HEIGHT)
-                    .map(|z| {
-                        let value = f32::from(volume.shape[column + z * columns]) / 255.0;
-                        ((value - theta) / look.edge).clamp(0.0, 1.0)
-                    })
-                    .sum();
+                let sum: f32 = values.iter().map(|v| ((v - theta) / look.edge).clamp(0.0, 1.0)).sum();
                 if sum * per_voxel >= depth { low = theta } else { high = theta }
             }
             low
@@ -93,11 +92,21 @@ fn column_thetas(kind: CloudKind, depth: f32) -> Vec<f32> {
         .collect()
 }
 
+/// How many columns have each theta, in steps of 2^-11 from -1 (all that twelve bisections tell apart).
+fn histogram(thetas: &[f32]) -> Vec<(f32, f32)> {
+    let mut counts = vec![0u32; 4097];
+    for theta in thetas {
+        counts[((theta + 1.0) * 2048.0) as usize] += 1;
+    }
+    let bins = counts.into_iter().enumerate().filter(|(_, n)| *n > 0);
+    bins.map(|(i, n)| (i as f32 / 2048.0 - 1.0, n as f32 / thetas.len() as f32)).collect()
+}
+
 /// The offset at which a share of all (column, map value) pairs is covered.
-fn invert(thetas: &[f32], patchiness: f32, share: f32) -> f32 {
+fn invert(bins: &[(f32, f32)], patchiness: f32, share: f32) -> f32 {
     let cover = |offset: f32| {
         // A column is covered for map values below (theta - offset) / patchiness; the map is uniform.
-        thetas.iter().map(|t| ((t - offset) / patchiness).clamp(0.0, 1.0)).sum::<f32>() / thetas.len() as f32
+        bins.iter().map(|(theta, n)| n * ((theta - offset) / patchiness).clamp(0.0, 1.0)).sum::<f32>()
     };
     let (mut low, mut high) = (-1.5f32, 1.2f32);
     for _ in 0..20 {

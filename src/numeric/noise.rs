@@ -7,9 +7,12 @@ use glam::Vec3;
 pub fn gradient(p: Vec3, period: [u32; 3], seed: u32) -> f32 {
     let cell = p.floor();
     let f = p - cell;
-    let corner = |dx: u32, dy: u32, dz: u32| {
-        let [x, y, z] = wrap(cell, [dx, dy, dz], period);
-        let h = pcg3d(x, y.wrapping_add(seed.wrapping_mul(0x9e37_79b9)), z);
+    // Each axis is wrapped once for its two lattice planes.
+    let lattice: [[u32; 2]; 3] =
+        std::array::from_fn(|axis| [0, 1].map(|step| wrap(cell[axis] as i32 + step, period[axis])));
+    let salt = seed.wrapping_mul(0x9e37_79b9);
+    let corner = |dx: usize, dy: usize, dz: usize| {
+        let h = pcg3d(lattice[0][dx], lattice[1][dy].wrapping_add(salt), lattice[2][dz]);
         let g = Vec3::new(unit(h[0]), unit(h[1]), unit(h[2])) * 2.0 - Vec3::ONE;
         g.dot(f - Vec3::new(dx as f32, dy as f32, dz as f32))
     };
@@ -55,13 +58,15 @@ impl Cellular {
     pub fn nearest(&self, p: Vec3) -> f32 {
         let cell = p.floor();
         let f = p - cell;
+        let [nx, ny, _] = self.period;
+        let lattice: [[u32; 3]; 3] =
+            std::array::from_fn(|axis| [-1, 0, 1].map(|step| wrap(cell[axis] as i32 + step, self.period[axis])));
         let mut best = f32::MAX;
-        for dz in -1..=1 {
-            for dy in -1..=1 {
-                for dx in -1..=1 {
-                    let offset = Vec3::new(dx as f32, dy as f32, dz as f32);
-                    let [x, y, z] = wrap(cell + offset, [0; 3], self.period);
-                    let point = self.points[(x + self.period[0] * (y + self.period[1] * z)) as usize];
+        for (dz, z) in lattice[2].iter().enumerate() {
+            for (dy, y) in lattice[1].iter().enumerate() {
+                for (dx, x) in lattice[0].iter().enumerate() {
+                    let offset = Vec3::new(dx as f32, dy as f32, dz as f32) - Vec3::ONE;
+                    let point = self.points[(x + nx * (y + ny * z)) as usize];
                     best = best.min((offset + point - f).length_squared());
                 }
             }
@@ -70,9 +75,8 @@ impl Cellular {
     }
 }
 
-fn wrap(cell: Vec3, step: [u32; 3], period: [u32; 3]) -> [u32; 3] {
-    let axis = |c: f32, d: u32, n: u32| (c as i32 + d as i32).rem_euclid(n as i32) as u32;
-    [axis(cell.x, step[0], period[0]), axis(cell.y, step[1], period[1]), axis(cell.z, step[2], period[2])]
+fn wrap(cell: i32, period: u32) -> u32 {
+    cell.rem_euclid(period as i32) as u32
 }
 
 #[cfg(test)]
@@ -105,7 +109,7 @@ mod tests {
         let mut best = f32::MAX;
         for i in 0..27 * 27 {
             let c = Vec3::new((i % 9) as f32, ((i / 9) % 9) as f32, (i / 81) as f32) - Vec3::splat(3.0);
-            let [x, y, z] = wrap(c, [0; 3], [3; 3]);
+            let [x, y, z] = [c.x, c.y, c.z].map(|v| wrap(v as i32, 3));
             best = best.min((c + cells.points[(x + 3 * (y + 3 * z)) as usize] - p).length());
         }
         assert!((cells.nearest(p) - best).abs() < 1e-6);
