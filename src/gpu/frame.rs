@@ -13,7 +13,7 @@ use crate::plan::{FramePlan, LayerPlan, Output};
 use std::ops::Range;
 
 /// Batches that the deck is drawn in, with an occlusion pass after each.
-const BATCHES: u32 = 6;
+const BATCHES: u32 = 8;
 
 /// One layer ready to be drawn.
 struct Deck {

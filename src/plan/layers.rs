@@ -96,7 +96,6 @@ impl Context<'_> {
         let look = state.kind.appearance();
         let threshold = Coverage::of(state.kind).threshold(state.coverage as f32);
         let quality = self.snapshot.quality;
-        let ratio = quality.ring_ratio as f32;
         let extinction = look.extinction_per_m * state.density as f32;
         let origin = near.first().map_or([0.0; 2], |c| {
             [c.origin_m.x, c.origin_m.y].map(|v| (v / f64::from(detail::TILE_M)).rem_euclid(1.0) as f32)
@@ -119,7 +118,7 @@ impl Context<'_> {
             theta: threshold.offset,
             patchiness: threshold.patchiness,
             spacing_m: slices::spacing_m(quality.slices, state.thickness_m as f32),
-            ring_share: slices::ring_share(ratio),
+            ring_ratio: quality.ring_ratio as f32,
             ring_first_m: FIRST_RING_M,
             ring_last_m: LAST_RING_M.min(extent as f32),
             extent_m: extent as f32,
@@ -129,7 +128,8 @@ impl Context<'_> {
             flashes: self.flashes.len() as u32,
             region,
             detail_origin: origin,
-            pad: [0; 2],
+            reach_m: 0.2 * density::TILE_M / look.elements[0].max(look.elements[1]) as f32,
+            step_m: (1_200.0 / quality.slices as f32).max(4.0),
             chart: charts,
             outline,
             flash,

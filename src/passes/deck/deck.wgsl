@@ -24,7 +24,7 @@ struct Layer {
     theta: f32,
     patchiness: f32,
     spacing_m: f32,
-    ring_share: f32,
+    ring_ratio: f32,
     ring_first_m: f32,
     ring_last_m: f32,
     extent_m: f32,
@@ -34,7 +34,8 @@ struct Layer {
     flashes: u32,
     region: u32,
     detail_origin: vec2<f32>,
-    pad: vec2<u32>,
+    reach_m: f32,
+    step_m: f32,
     chart: array<Chart, 3>,
     outline: array<Region, 4>,
     flash: array<Flash, 8>,
@@ -56,6 +57,8 @@ const DETAIL_TILE_M: f32 = 1397.0;
 const DETAIL_NEAR_M: f32 = 2500.0;
 const DETAIL_FAR_M: f32 = 9000.0;
 const DIFFUSE_RANGE: f32 = 5.0;
+const MOST_STEPS: u32 = 48u;
+const RING_SHARE: f32 = 0.11;
 const PER_STERADIAN: f32 = 0.07957747;
 
 @group(1) @binding(0) var<storage, read> layer: Layer;
@@ -224,7 +227,7 @@ fn source(stored: vec3<f32>, along: f32, p: vec3<f32>, height: f32) -> vec3<f32>
 }
 
 fn ring_weight(slice_ds: f32, t: f32, distance: f32) -> f32 {
-    let ring_ds = t * layer.ring_share;
+    let ring_ds = t * RING_SHARE;
     let finer = smoothstep(0.35, 0.65, slice_ds / (slice_ds + ring_ds));
     return finer * (1.0 - smoothstep(0.7 * layer.ring_last_m, 0.98 * layer.ring_last_m, distance));
 }
@@ -299,31 +302,40 @@ fn deck_fragment(in: Passed) -> @location(0) vec4<f32> {
     if share <= 0.0 {
         return nothing;
     }
-    let steps = clamp(u32(ceil(ds / (60.0 + 0.03 * middle))), 1u, 16u);
-    let piece = ds / f32(steps);
+    let least = ds * (1.0 / f32(MOST_STEPS));
     var near = look(direction, near_t);
+    var at = near_t;
     var light = vec3<f32>(0.0);
+    var hazed = 0.0;
     var transmittance = 1.0;
-    for (var step = 1u; step <= steps; step++) {
-        let end = near_t + f32(step) * piece;
+    for (var i = 0u; i < MOST_STEPS; i++) {
+        let shortest = max(layer.step_m + 0.012 * at, least);
+        let end = min(far_t, at + shortest + layer.reach_m * max(-near.a, 0.0));
         let far = look(direction, end);
         let whole = mean_clamped(near.a * layer.inverse_edge, far.a * layer.inverse_edge);
         if whole > 0.0 {
-            let alpha = 1.0 - exp(-layer.extinction_per_m * share * piece * whole);
-            let t = end - 0.5 * piece;
+            let alpha = 1.0 - exp(-layer.extinction_per_m * share * (end - at) * whole);
+            let t = 0.5 * (at + end);
             let height = height_at(up, t);
             let p = direction * t + vec3<f32>(0.0, 0.0, camera.eye_m);
             let stored = select(near.rgb, far.rgb, far.a > near.a);
             let passed = air_transmittance(height, t);
             let along = phase(dot(direction, layer.light_direction));
-            let seen = source(stored, along, p, height) * passed + endless_air(air_along(direction)) * (1.0 - passed);
-            light += seen * (alpha * transmittance);
+            light += source(stored, along, p, height) * (passed * alpha * transmittance);
+            hazed += (1.0 - passed) * alpha * transmittance;
             transmittance *= 1.0 - alpha;
+            if transmittance < OPAQUE {
+                break;
+            }
         }
         near = far;
-        if transmittance < OPAQUE {
+        at = end;
+        if at >= far_t {
             break;
         }
+    }
+    if hazed > 0.0 {
+        light += endless_air(air_along(direction)) * hazed;
     }
     return vec4<f32>(min(light * camera.exposure, vec3<f32>(BRIGHTEST)), 1.0 - transmittance);
 }

@@ -5,7 +5,7 @@
 //! ends the annulus. A shell below the eye is met falling up to the point where the ray touches it, and beyond rising;
 //! these far parts are drawn after everything else of their layer and of the layers below.
 
-use super::twin::{ring_ratio, ring_weight};
+use super::twin::ring_weight;
 use super::{CAP, DOWN, Instance, Layer, RING, SLAB};
 use crate::clouds::slices;
 
@@ -31,7 +31,7 @@ struct View<'a> {
 pub fn instances(layer: &Layer, slices: u32, earth_m: f32, eye_m: f32) -> Instances {
     let view = View { layer, earth_m, eye_m };
     let shells: Vec<f32> = slices::shells(slices, layer.thickness_m).into_iter().map(|h| layer.base_m + h).collect();
-    let ratio = ring_ratio(layer);
+    let ratio = layer.ring_ratio;
     let (mut found, mut inner, mut outer) = (Instances::default(), 0.0, layer.ring_first_m);
     while inner < layer.extent_m {
         view.annulus(&shells, inner, outer.min(layer.extent_m), &mut found);

@@ -78,8 +78,8 @@ pub struct Layer {
     pub patchiness: f32,
     /// Height that one slice stands for.
     pub spacing_m: f32,
-    /// Range that a ring stands for, as a share of the range.
-    pub ring_share: f32,
+    /// Ratio between the radii of neighbouring rings.
+    pub ring_ratio: f32,
     /// Radius of the first ring.
     pub ring_first_m: f32,
     /// Radius of the last ring.
@@ -98,8 +98,10 @@ pub struct Layer {
     pub region: u32,
     /// Origin of the detail noise in periods of its tile (east, north).
     pub detail_origin: [f32; 2],
-    /// Pads to 16 bytes.
-    pub pad: [u32; 2],
+    /// Distance over which the shape value changes by one at most, m: how far a look outside the cloud may step.
+    pub reach_m: f32,
+    /// Shortest step at the eye, m.
+    pub step_m: f32,
     /// The charts.
     pub chart: [Chart; CHARTS],
     /// The outlines of the regions.
@@ -135,6 +137,10 @@ pub const CAP: u32 = 1;
 pub const RING: u32 = 2;
 /// The ray is falling.
 pub const DOWN: u32 = 4;
+
+/// Share of the range at which slabs and rings carry a ray alike: where slices lie further apart along it than that,
+/// rings do.
+pub const RING_SHARE: f32 = 0.11;
 
 /// Distance below which a flash's light no longer rises (eq. 21 is singular there), m.
 pub const FLASH_CAP_M: f32 = 200.0;

@@ -1,7 +1,7 @@
 //! Twin of `deck.wgsl`: walks the crossings of a ray with slices and rings from near to far.
 
-use super::Layer;
 use super::field::{Sample, Textures, phase, sample, source};
+use super::{Layer, RING_SHARE};
 use crate::clouds::slices::shells;
 use crate::passes::common::{Camera, smoothstep};
 use glam::Vec3;
@@ -109,7 +109,7 @@ impl Ray<'_> {
         };
         // The first slice whose crossing lies on this leg.
         let mut i = (0..count).find(|i| slice_t(*i).is_finite()).unwrap_or(count);
-        let ratio = ring_ratio(layer);
+        let ratio = layer.ring_ratio;
         let ring_t = |k: i32| {
             let radius = layer.ring_first_m * ratio.powi(k);
             if radius > layer.ring_last_m * 1.0001 { f32::INFINITY } else { radius / self.flat.max(1e-4) }
@@ -155,19 +155,24 @@ impl Ray<'_> {
         if share <= 0.0 || ds <= 0.0 {
             return;
         }
-        let steps = steps(ds, middle);
-        let piece = ds / steps as f32;
         let mut near = start.margin.unwrap_or_else(|| self.look(prepared, start.t));
-        for step in 1..=steps {
-            let end = start.t + step as f32 * piece;
+        let mut at = start.t;
+        for _ in 0..MOST_STEPS {
+            let end = t.min(at + step(layer, &near, at, ds));
             let far = self.look(prepared, end);
             let whole = mean_clamped(near.margin * layer.inverse_edge, far.margin * layer.inverse_edge);
             if whole > 0.0 {
                 let deeper = if far.margin > near.margin { &far } else { &near };
                 let light = deeper.light(&prepared.textures);
-                self.gather(prepared, end - 0.5 * piece, share * piece * whole, light, gathered);
+                self.gather(prepared, 0.5 * (at + end), share * (end - at) * whole, light, gathered);
+                if gathered.transmittance < OPAQUE {
+                    break;
+                }
             }
-            near = far;
+            (near, at) = (far, end);
+            if at >= t {
+                break;
+            }
         }
         before.margin = Some(near);
     }
@@ -192,9 +197,14 @@ impl Ray<'_> {
     }
 }
 
-/// Looks that a piece of the ray is cut into: steps grow with the range, as pixels do.
-fn steps(ds: f32, t: f32) -> u32 {
-    ((ds / (60.0 + 0.03 * t)).ceil() as u32).clamp(1, 16)
+/// Steps that a piece of the ray is cut into at most.
+const MOST_STEPS: u32 = 48;
+
+/// Step from a look: short at the cloud's edge and inside, growing with the range as pixels do; outside as far as the
+/// cloud is certain not to reach. Never less than the share of the piece that lets it end within [`MOST_STEPS`].
+fn step(layer: &Layer, look: &Sample, t: f32, ds: f32) -> f32 {
+    let shortest = (layer.step_m + 0.012 * t).max(ds * (1.0 / MOST_STEPS as f32));
+    shortest + layer.reach_m * (-look.margin).max(0.0)
 }
 
 /// Where a piece of the ray ended, and what was found there.
@@ -214,15 +224,10 @@ pub fn mean_clamped(a: f32, b: f32) -> f32 {
     if (b - a).abs() < 1e-4 { (0.5 * (a + b)).clamp(0.0, 1.0) } else { (sum(b) - sum(a)) / (b - a) }
 }
 
-/// Ratio of neighbouring radii, from the share that a ring stands for: q with (q - 1/q) / 2 = share.
-pub fn ring_ratio(layer: &Layer) -> f32 {
-    layer.ring_share + (layer.ring_share * layer.ring_share + 1.0).sqrt()
-}
-
 /// Share of the ray that rings carry: all where they are the finer sampling, none where slices are, and none beyond the
 /// last ring.
 pub fn ring_weight(layer: &Layer, slice_ds: f32, t: f32, distance: f32) -> f32 {
-    let ring_ds = t * layer.ring_share;
+    let ring_ds = t * RING_SHARE;
     let finer = smoothstep(0.35, 0.65, slice_ds / (slice_ds + ring_ds));
     finer * (1.0 - smoothstep(0.7 * layer.ring_last_m, 0.98 * layer.ring_last_m, distance))
 }
