@@ -128,7 +128,7 @@ impl Context<'_> {
             flashes: self.flashes.len() as u32,
             region,
             detail_origin: origin,
-            reach_m: 0.2 * density::TILE_M / look.elements[0].max(look.elements[1]) as f32,
+            reach_m: 0.3 * density::TILE_M / look.elements[0].max(look.elements[1]) as f32,
             step_m: (1_200.0 / quality.slices as f32).max(4.0),
             chart: charts,
             outline,

@@ -33,7 +33,7 @@ use snapshot::Quality;
 use state::State;
 
 /// The quality of a new world.
-pub const DEFAULT_QUALITY: Quality = Quality { slices: 32, ring_ratio: 1.6, deck_scale: 1 };
+pub const DEFAULT_QUALITY: Quality = Quality { slices: 32, ring_ratio: 4.0, deck_scale: 1 };
 
 /// The world.
 #[derive(Clone, Debug)]

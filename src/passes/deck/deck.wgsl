@@ -57,7 +57,7 @@ const DETAIL_TILE_M: f32 = 1397.0;
 const DETAIL_NEAR_M: f32 = 2500.0;
 const DETAIL_FAR_M: f32 = 9000.0;
 const DIFFUSE_RANGE: f32 = 5.0;
-const MOST_STEPS: u32 = 48u;
+const MOST_STEPS: u32 = 96u;
 const RING_SHARE: f32 = 0.11;
 const PER_STERADIAN: f32 = 0.07957747;
 
@@ -309,7 +309,7 @@ fn deck_fragment(in: Passed) -> @location(0) vec4<f32> {
     var hazed = 0.0;
     var transmittance = 1.0;
     for (var i = 0u; i < MOST_STEPS; i++) {
-        let shortest = max(layer.step_m + 0.012 * at, least);
+        let shortest = max(layer.step_m + 0.025 * at, least);
         let end = min(far_t, at + shortest + layer.reach_m * max(-near.a, 0.0));
         let far = look(direction, end);
         let whole = mean_clamped(near.a * layer.inverse_edge, far.a * layer.inverse_edge);

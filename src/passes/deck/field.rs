@@ -175,6 +175,10 @@ pub fn column_bounds(shape: &[u8]) -> Vec<u8> {
 }
 
 fn bound(bounds: &[u8], tile: Vec2) -> f32 {
-    let cell = |u: f32| ((u - u.floor()) * BOUNDS_WIDTH as f32) as usize & (BOUNDS_WIDTH - 1);
+    let cell = |u: f32| {
+        let at = u * BOUNDS_WIDTH as f32;
+        let low = at as i32 - i32::from((at as i32 as f32) > at);
+        low as usize & (BOUNDS_WIDTH - 1)
+    };
     f32::from(bounds[cell(tile.x) + BOUNDS_WIDTH * cell(tile.y)]) * (1.0 / 255.0)
 }

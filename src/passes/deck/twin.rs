@@ -198,12 +198,12 @@ impl Ray<'_> {
 }
 
 /// Steps that a piece of the ray is cut into at most.
-const MOST_STEPS: u32 = 48;
+const MOST_STEPS: u32 = 96;
 
 /// Step from a look: short at the cloud's edge and inside, growing with the range as pixels do; outside as far as the
 /// cloud is certain not to reach. Never less than the share of the piece that lets it end within [`MOST_STEPS`].
 fn step(layer: &Layer, look: &Sample, t: f32, ds: f32) -> f32 {
-    let shortest = (layer.step_m + 0.012 * t).max(ds * (1.0 / MOST_STEPS as f32));
+    let shortest = (layer.step_m + 0.025 * t).max(ds * (1.0 / MOST_STEPS as f32));
     shortest + layer.reach_m * (-look.margin).max(0.0)
 }
 
