@@ -88,7 +88,10 @@ impl View<'_> {
 
     /// The piece to where rays leave the layer, if rings carry any there.
     fn cap(&self, kind: u32, near_m: f32, far_m: f32, inner_m: f32, outer_m: f32) -> Option<Instance> {
-        let carried = (0..=4).any(|i| self.weight(far_m, inner_m + (outer_m - inner_m) * i as f32 / 4.0) > 0.0);
+        let carried = (0..=4).any(|i| {
+            let distance = inner_m + (outer_m - inner_m) * i as f32 / 4.0;
+            self.weight_before(far_m, distance, inner_m) > 0.0
+        });
         carried.then_some(Instance { kind, near_m, far_m, inner_m, outer_m })
     }
 
@@ -96,24 +99,34 @@ impl View<'_> {
     fn ring(&self, inner_m: f32, outer_m: f32) -> Option<Instance> {
         let step = self.layer.thickness_m / STEPS as f32;
         let at = |i: u32| self.layer.base_m + i as f32 * step;
-        let carries = |i: &u32| {
-            let height = at(*i);
-            self.weight(height, outer_m) > 0.0 || self.weight(height, 0.5 * (inner_m + outer_m)) > 0.0
-        };
+        let carries = |i: &u32| self.weight_before(at(*i), outer_m, inner_m) > 0.0;
         let first = (0..=STEPS).find(carries)?;
         let last = (0..=STEPS).rev().find(carries)?;
         let (near_m, far_m) = (at(first.saturating_sub(1)), at((last + 1).min(STEPS)));
         Some(Instance { kind: RING, near_m, far_m, inner_m, outer_m })
     }
 
+    /// Weight of the piece of a ray that ends at a height and distance and began at the distance `inner_m`: that of its
+    /// middle, as the shader takes it.
+    fn weight_before(&self, height_m: f32, distance_m: f32, inner_m: f32) -> f32 {
+        let middle = 0.5 * (inner_m + distance_m);
+        let rise = self.over_tangent_m(height_m, distance_m) - self.eye_m;
+        let z = self.eye_m + rise * middle / distance_m.max(1e-3);
+        self.weight(z + middle * middle / (2.0 * self.earth_m), middle)
+    }
+
     /// Share that rings carry of the ray through a height at a distance.
     fn weight(&self, height_m: f32, distance_m: f32) -> f32 {
         let r = self.earth_m + height_m;
-        // Height over the eye's tangent plane at that distance, without cancellation.
-        let z = height_m - distance_m * distance_m / ((r * r - distance_m * distance_m).max(0.0).sqrt() + r);
-        let rise = z - self.eye_m;
+        let rise = self.over_tangent_m(height_m, distance_m) - self.eye_m;
         let t = (distance_m * distance_m + rise * rise).sqrt().max(1e-3);
         let sine = (((self.earth_m + self.eye_m) * (rise / t) + t) / r).abs().max(1e-4);
         ring_weight(self.layer, self.layer.spacing_m / sine, t, distance_m)
+    }
+
+    /// Height over the eye's tangent plane of a shell at a distance, without cancellation.
+    fn over_tangent_m(&self, height_m: f32, distance_m: f32) -> f32 {
+        let r = self.earth_m + height_m;
+        height_m - distance_m * distance_m / ((r * r - distance_m * distance_m).max(0.0).sqrt() + r)
     }
 }
