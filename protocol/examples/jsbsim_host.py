@@ -117,14 +117,16 @@ def fly(link, args):
     """The flight: returns where it ended."""
     flight = Flight()
     # The brakes are released when the first picture is there: it waits for tables that are built once.
-    link.tell(ownship(flight.state(), 1, 0.0))
-    link.wait_for_frame(1)
+    # Numbers of this run's own: what the server drew for an earlier host does not look like ours.
+    first_host_frame = int(time.time() * 1000) & 0x3FFFFFFF
+    link.tell(ownship(flight.state(), first_host_frame, 0.0))
+    link.wait_for_frame(first_host_frame)
     began = time.monotonic()
     simulation_began_s = link.simulation_time_s()
     events = list(EVENTS)
     ticks = int(args.minutes * 60 * TICKS_PER_SECOND)
     ticks_per_step = max(1, round(TICKS_PER_SECOND / args.step_rate))
-    for tick in range(2, ticks + 1):
+    for tick in range(1, ticks + 1):
         for _ in range(MODEL_STEPS_PER_TICK):
             flight.step()
         state = flight.state()
@@ -134,10 +136,10 @@ def fly(link, args):
             link.tell(events.pop(0)[1](state))
         if args.lockstep:
             if tick % ticks_per_step == 0:
-                link.tell(ownship(state, tick, 1.0))
+                link.tell(ownship(state, first_host_frame + tick, 1.0))
                 link.ask({"type": "step", "to_s": simulation_began_s + tick / TICKS_PER_SECOND})
         else:
-            link.tell(ownship(state, tick, args.speed))
+            link.tell(ownship(state, first_host_frame + tick, args.speed))
             link.wait_until(began + tick / TICKS_PER_SECOND / args.speed)
         if tick % (30 * TICKS_PER_SECOND) == 0:
             print(f"{state.time_s:6.1f} s: {state.altitude_m:6.0f} m, {state.airspeed_kt:3.0f} kt; {link.summary()}", flush=True)

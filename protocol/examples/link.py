@@ -36,6 +36,7 @@ class Link:
         self._waiting = {}
         self._answers = {}
         self._sent_at = {}
+        self._host_frames = None
         self._newest = {}
         self._failure = None
         self._closing = False
@@ -65,7 +66,9 @@ class Link:
             if keep_answer:
                 self._answers[seq] = None
             if message["type"] == "ownship":
-                self._sent_at[message["host_frame"]] = time.monotonic()
+                number = message["host_frame"]
+                self._sent_at[number] = time.monotonic()
+                self._host_frames = (self._host_frames[0] if self._host_frames else number, number)
         try:
             self._socket.send(json.dumps({**message, "seq": seq}))
         except ConnectionClosed as closed:
@@ -160,6 +163,12 @@ class Link:
                 self._answers[seq] = message
 
     def _frame(self, frame, now):
+        first, newest = self._host_frames or (0, -1)
+        if not first <= frame.host_frame <= newest:
+            # Drawn for somebody before us; afterwards such a frame would be wrong.
+            if frame.view in self._newest:
+                raise Wrong(f"{frame.view}: host frame {frame.host_frame} was never sent")
+            return
         before = self._newest.get(frame.view)
         if before is not None and (frame.number <= before.number or frame.host_frame < before.host_frame):
             raise Wrong(

@@ -10,7 +10,7 @@ use super::{Failure, scenario};
 use crate::serve;
 use crate::serve::client::ClientError;
 use crate::wire::control::Format;
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
 /// Plays a scenario to a running server as a simulator host would, and checks what comes back.
 ///
@@ -33,7 +33,7 @@ pub(super) struct Options {
     #[arg(long)]
     lockstep: bool,
     /// Ends after so many ownship messages instead of at the scenario's end.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000_000))]
     frames: Option<u32>,
     /// Format of the pictures.
     #[arg(long, value_parser = format, default_value = "jpeg")]
@@ -68,7 +68,7 @@ impl From<ClientError> for Failure {
 /// Plays, checks, prints the summary.
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let timeline = scenario::read(&options.scenario)?;
-    let part = part::Part::new(timeline, options.rate, options.frames)?;
+    let part = part::Part::new(timeline, options.rate, options.frames, first_host_frame())?;
     let watched = serve::block_on(session::play(options, part))
         .map_err(|error| Failure::Run(format!("cannot start the runtime: {error}")))??;
     let (summary, complaints) = watched.summary();
@@ -77,6 +77,12 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         0 => Ok(()),
         _ => Err(Failure::Run(format!("{complaints} things were wrong"))),
     }
+}
+
+/// A number of this run's own: frames that the server drew for an earlier host do not look like ours.
+fn first_host_frame() -> u32 {
+    let since_1970 = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+    (since_1970.as_millis() & 0x3fff_ffff) as u32
 }
 
 /// How long the server may take to answer before the run is given up. A step may have to wait for tables that are built

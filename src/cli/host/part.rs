@@ -29,15 +29,23 @@ pub(super) struct Part {
     timeline: Arc<Timeline>,
     world: World,
     interval_s: f64,
+    /// Host frames count on from here; above 0, which says that no ownship has come.
+    first_host_frame: u32,
     ticks: u32,
     next_tick: u32,
     next_entry: usize,
 }
 
 impl Part {
-    /// `rate_hz`: ownship messages per second of simulation; `most`: ends after so many.
-    pub(super) fn new(timeline: Timeline, rate_hz: f64, most: Option<u32>) -> Result<Self, Failure> {
-        let whole = (timeline.duration_s * rate_hz).ceil().clamp(0.0, f64::from(u32::MAX - 1)) as u32;
+    /// `rate_hz`: ownship messages per second of simulation; `most`: ends after so many. Host frames count on from
+    /// `first_host_frame`.
+    pub(super) fn new(
+        timeline: Timeline,
+        rate_hz: f64,
+        most: Option<u32>,
+        first_host_frame: u32,
+    ) -> Result<Self, Failure> {
+        let whole = (timeline.duration_s * rate_hz).ceil().clamp(0.0, f64::from(u32::MAX / 2)) as u32;
         let ticks = most.unwrap_or(whole);
         if ticks == 0 {
             return Err(Failure::Input("the scenario has no end: say how many --frames to send".to_owned()));
@@ -47,7 +55,8 @@ impl Part {
         world
             .apply(Command::Scenario(ScenarioEdit::Load(Arc::clone(&timeline))))
             .map_err(|refused| Failure::Input(refused.to_string()))?;
-        Ok(Self { timeline, world, interval_s: 1.0 / rate_hz, ticks, next_tick: 0, next_entry: 0 })
+        let interval_s = 1.0 / rate_hz;
+        Ok(Self { timeline, world, interval_s, first_host_frame, ticks, next_tick: 0, next_entry: 0 })
     }
 
     /// How many ticks there are.
@@ -81,8 +90,7 @@ impl Part {
         self.next_tick += 1;
         self.world.advance_to(time_s);
         let due = self.due(time_s);
-        // Host frames count from 1: 0 says that no ownship has come.
-        Some(Tick { time_s, due, ownship: self.ownship(self.next_tick) })
+        Some(Tick { time_s, due, ownship: self.ownship(self.first_host_frame + self.next_tick) })
     }
 
     fn ownship(&self, host_frame: u32) -> Ownship {
@@ -134,11 +142,11 @@ mod tests {
 
     #[test]
     fn ticks_carry_what_is_due_and_the_ownship_moves() {
-        let mut part = Part::new(timeline(1.0), 4.0, None).expect("a part");
+        let mut part = Part::new(timeline(1.0), 4.0, None, 100).expect("a part");
         assert_eq!((part.ticks(), part.start().len()), (4, 1));
         let ticks: Vec<Tick> = std::iter::from_fn(|| part.next()).collect();
         assert_eq!(ticks.iter().map(|t| t.due.len()).collect::<Vec<_>>(), [0, 0, 0, 1]);
-        assert_eq!(ticks.iter().map(|t| t.ownship.host_frame).collect::<Vec<_>>(), [1, 2, 3, 4]);
+        assert_eq!(ticks.iter().map(|t| t.ownship.host_frame).collect::<Vec<_>>(), [101, 102, 103, 104]);
         // 10 m/s upwards; the altitude is carried exactly, the rest of the tolerance is the rounding of f64.
         for tick in &ticks {
             assert!((tick.ownship.altitude_m - (1_000.0 + 10.0 * tick.time_s)).abs() < 1e-6, "{tick:?}");
@@ -147,7 +155,7 @@ mod tests {
 
     #[test]
     fn a_scenario_without_an_end_needs_a_number_of_frames() {
-        assert!(Part::new(timeline(0.0), 4.0, None).is_err());
-        assert_eq!(Part::new(timeline(0.0), 4.0, Some(9)).map(|part| part.ticks()).ok(), Some(9));
+        assert!(Part::new(timeline(0.0), 4.0, None, 0).is_err());
+        assert_eq!(Part::new(timeline(0.0), 4.0, Some(9), 0).map(|part| part.ticks()).ok(), Some(9));
     }
 }

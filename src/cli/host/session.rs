@@ -43,8 +43,8 @@ pub(super) async fn play(options: &Options, mut part: Part) -> Result<Watch, Fai
     let views = session.prepare(options, &mut part).await?;
     let progress = Progress::new("host", part.ticks() as usize);
     let start = Instant::now();
+    let mut done = 0;
     while let Some(tick) = part.next() {
-        let number = tick.ownship.host_frame;
         let time_s = tick.time_s;
         session.tick(tick, options).await?;
         if options.lockstep {
@@ -52,7 +52,8 @@ pub(super) async fn play(options: &Options, mut part: Part) -> Result<Watch, Fai
         } else {
             session.listen_until(start + Duration::from_secs_f64(time_s + part.interval_s())).await?;
         }
-        progress.show(number as usize);
+        done += 1;
+        progress.show(done);
     }
     session.settle(&views).await?;
     session.watch.end(&views);
@@ -127,8 +128,11 @@ impl Session {
             Command::Time(_) => ("time", command),
             Command::Scenario(_) => ("scenario", command),
             Command::View(mut edit) => {
-                edit.action = if self.views.contains(&edit.name) { ViewAction::Change } else { ViewAction::Create };
-                self.views.insert(edit.name.clone());
+                edit.action =
+                    if self.views.insert(edit.name.clone()) { ViewAction::Create } else { ViewAction::Change };
+                if edit.action == ViewAction::Create {
+                    self.watch.made(&edit.name);
+                }
                 if let Some(size_px) = edit.size_px {
                     self.watch.expect_size(&edit.name, size_px);
                 }

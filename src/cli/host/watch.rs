@@ -37,6 +37,8 @@ struct View {
     dropped: u32,
     first: Option<Duration>,
     last: Option<Duration>,
+    /// How often the view has been made again and may begin to count from 1.
+    restarts: u32,
 }
 
 /// Everything that was sent and came back.
@@ -47,7 +49,8 @@ pub(super) struct Watch {
     unanswered: BTreeMap<u64, &'static str>,
     /// When each host frame was sent, while no frame has shown it.
     ownships: BTreeMap<u32, Duration>,
-    newest_host_frame: u32,
+    /// Host frames of this run that have been sent: the first and the newest.
+    host_frames: Option<[u32; 2]>,
     views: BTreeMap<String, View>,
     /// From sending an ownship to having a frame that shows it.
     delay_ms: Spread,
@@ -73,13 +76,20 @@ impl Watch {
 
     /// An ownship message with this frame number goes out.
     pub(super) fn sent_ownship(&mut self, host_frame: u32, now: Duration) {
-        self.newest_host_frame = host_frame;
+        self.host_frames = Some([self.host_frames.map_or(host_frame, |[first, _]| first), host_frame]);
         self.ownships.insert(host_frame, now);
     }
 
     /// From now on frames of this view may have this size.
     pub(super) fn expect_size(&mut self, view: &str, size_px: [u32; 2]) {
         self.sizes.entry(view.to_owned()).or_default().insert(size_px);
+    }
+
+    /// A view of this name is made; if there was one before, its numbers begin again.
+    pub(super) fn made(&mut self, view: &str) {
+        if let Some(view) = self.views.get_mut(view) {
+            view.restarts += 1;
+        }
     }
 
     /// A control message of the server arrived.
@@ -107,15 +117,26 @@ impl Watch {
         }
     }
 
-    /// A frame arrived.
+    /// A frame arrived. Frames from before this run's first ownship were under way already and are nobody's fault.
     pub(super) fn frame(&mut self, frame: &Arrived<'_>, now: Duration) {
         let name = frame.view;
+        let is_ours = self.host_frames.is_some_and(|[first, newest]| (first..=newest).contains(&frame.host_frame));
+        if !is_ours {
+            if self.views.contains_key(name) {
+                self.complain(format!("{name}: host frame {} was never sent", frame.host_frame));
+            }
+            return;
+        }
         let view = self.views.entry(name.to_owned()).or_default();
-        let before = view.newest.replace((frame.number, frame.host_frame, frame.simulation_time_s));
+        let mut before = view.newest.replace((frame.number, frame.host_frame, frame.simulation_time_s));
         view.frames += 1;
         view.dropped = frame.dropped;
         view.first.get_or_insert(now);
         view.last = Some(now);
+        if view.restarts > 0 && before.is_some_and(|(number, ..)| frame.number <= number) {
+            view.restarts -= 1;
+            before = None;
+        }
         if let Some((number, host_frame, time_s)) = before {
             view.skipped += frame.number.saturating_sub(number + 1);
             if frame.number <= number || (self.lockstep && frame.number != number + 1) {
@@ -127,9 +148,6 @@ impl Watch {
             if frame.simulation_time_s < time_s {
                 self.complain(format!("{name}: time {} s follows {time_s} s", frame.simulation_time_s));
             }
-        }
-        if frame.host_frame > self.newest_host_frame {
-            self.complain(format!("{name}: host frame {} was never sent", frame.host_frame));
         }
         self.check_picture(frame);
         if let Some(sent) = self.ownships.get(&frame.host_frame).copied() {
@@ -264,7 +282,17 @@ mod tests {
         let wrong: &[(&str, Change)] = &[
             ("a number again", |w| w.frame(&frame(10, 5, &[0; 8]), MS * 5)),
             ("a lower number", |w| w.frame(&frame(9, 5, &[0; 8]), MS * 5)),
-            ("an older host frame", |w| w.frame(&frame(11, 4, &[0; 8]), MS * 5)),
+            ("an older host frame", |w| {
+                w.sent_ownship(6, MS);
+                w.frame(&frame(11, 6, &[0; 8]), MS * 5);
+                w.frame(&frame(12, 5, &[0; 8]), MS * 5);
+            }),
+            ("a host frame from before", |w| w.frame(&frame(11, 4, &[0; 8]), MS * 5)),
+            ("numbers that begin again twice", |w| {
+                w.made("out");
+                w.frame(&frame(1, 5, &[0; 8]), MS * 5);
+                w.frame(&frame(1, 5, &[0; 8]), MS * 5);
+            }),
             ("a host frame from nowhere", |w| w.frame(&frame(11, 6, &[0; 8]), MS * 5)),
             ("an earlier time", |w| w.frame(&Arrived { simulation_time_s: 0.9, ..frame(11, 5, &[0; 8]) }, MS * 5)),
             ("a short picture", |w| w.frame(&frame(11, 5, &[0; 7]), MS * 5)),
@@ -285,6 +313,20 @@ mod tests {
             assert_eq!(complaints_after(false, change), 1, "{what}");
         }
         assert_eq!(complaints_after(true, |w| w.frame(&frame(12, 5, &[0; 8]), MS * 5)), 1, "a gap in lockstep");
+    }
+
+    #[test]
+    fn frames_from_before_the_run_and_views_made_again_are_no_fault() {
+        let mut watch = Watch::new(true);
+        watch.frame(&frame(7, 900, &[0; 3]), MS);
+        watch.sent_ownship(5, MS);
+        watch.frame(&frame(8, 901, &[0; 3]), MS);
+        watch.frame(&frame(9, 5, &[0; 8]), MS);
+        watch.made("out");
+        watch.frame(&frame(1, 5, &[0; 8]), MS);
+        watch.frame(&frame(2, 5, &[0; 8]), MS);
+        watch.end(&["out".to_owned()]);
+        assert_eq!(watch.summary().1, 0, "{}", watch.summary().0);
     }
 
     #[test]
