@@ -251,11 +251,14 @@ fn serve_starts_is_played_to_by_a_host_and_stops_by_a_signal() {
         "\"entries\": [",
         "\"entries\": [{\"at\": 0, \"type\": \"view\", \"action\": \"change\", \"name\": \"main\", \"size_px\": [64, 36]},",
     ));
-    for (signal, mode) in [("-TERM", "--lockstep"), ("-INT", "--format=png")] {
+    for signal in ["-TERM", "-INT"] {
         let server = Server::start(&[]);
-        let address = server.address.clone();
-        let says = ["connected to stormdeck", "view main", "message to frame received: median"];
-        expect(&["host", &scenario, "--to", &address, "--rate", "10", "--frames", "5", mode], 0, &says);
+        // A free run after one in lockstep: what an earlier host left behind must not matter.
+        for mode in ["--lockstep", "--format=png"] {
+            let says = ["connected to stormdeck", "view main", "message to frame received: median"];
+            let host = ["host", &scenario, "--to", &server.address, "--rate", "10", "--frames", "5", mode];
+            expect(&host, 0, &says);
+        }
         assert_eq!(server.stop(signal), Some(0), "{signal}");
     }
 }

@@ -102,8 +102,8 @@ def prepare(link, args):
     empty = {"type": "scenario", "protocol": "stormdeck.v1", "name": "flight", "description": "", "duration_s": 86400.0, "entries": []}
     link.ask({"type": "scenario", "action": "load", "document": empty})
     link.ask({"type": "time", "utc": "2026-06-21T17:30:00Z", "rate": 1.0})
-    if args.lockstep:
-        link.ask({"type": "scenario", "action": "pause"})
+    # An earlier host may have left the server in lockstep; only `play` ends that.
+    link.ask({"type": "scenario", "action": "pause" if args.lockstep else "play"})
     # The eye is in the cockpit, above and before the centre of mass.
     link.ask(
         {"type": "view", "action": "create", "name": VIEW, "size_px": [width, height], "field_of_view_deg": 70.0,
