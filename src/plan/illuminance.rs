@@ -167,7 +167,7 @@ impl Illuminance {
     }
 
     /// Light that comes up from the ground, over 4 pi, lux per colour.
-    pub fn from_below(&self) -> Vec3 {
+    pub fn upwelling_lux(&self) -> Vec3 {
         let ground = self.ground.direct_lux * self.source.z.max(0.0) + self.ground.diffuse_lux;
         (ground * 0.13 + Vec3::new(1.0, 0.72, 0.42) * (0.6 * self.night)) * (2.0 * 0.079_577_47)
     }

@@ -19,12 +19,15 @@ use std::sync::Arc;
 /// Light volumes kept at once (8 MiB each).
 const VOLUMES_KEPT: usize = 16;
 
+/// Texels of a light volume.
+type Volume = Vec<[u8; 4]>;
+
 /// Plays plans on the CPU.
 #[derive(Default)]
 pub struct ReferenceExecutor {
     finished: VecDeque<Finished>,
     table: Option<(TableParams, Arc<Vec<Texel>>)>,
-    volumes: VecDeque<((CloudKind, Light), Arc<Vec<[u8; 4]>>)>,
+    volumes: VecDeque<((CloudKind, Light), Arc<Volume>)>,
     bounds: VecDeque<(CloudKind, Arc<Vec<u8>>)>,
 }
 
@@ -72,7 +75,7 @@ impl ReferenceExecutor {
         }
     }
 
-    fn volume(&mut self, kind: CloudKind, params: &Light) -> Arc<Vec<[u8; 4]>> {
+    fn volume(&mut self, kind: CloudKind, params: &Light) -> Arc<Volume> {
         keep(&mut self.volumes, (kind, *params), VOLUMES_KEPT, || {
             light::twin::light(params, &DensityVolume::of(kind).shape)
         })

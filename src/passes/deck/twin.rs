@@ -87,7 +87,8 @@ impl Ray<'_> {
             (if begin.is_finite() && (eye < base || up < 0.0) { begin } else { lowest_t }, cross(top))
         };
         let to = to.min(self.end_m).min(layer.extent_m / self.flat.max(1e-3));
-        if !(from < to) {
+        // Infinite where the leg does not meet the layer.
+        if from >= to {
             return;
         }
         self.merge(prepared, down, from, to, gathered);
