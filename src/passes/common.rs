@@ -83,9 +83,10 @@ impl Camera {
 
 /// Mean of exp(-h / scale) between two heights (closed form; the limit where they are equal).
 fn mean_density(a_m: f32, b_m: f32, scale_m: f32) -> f32 {
-    let d = (b_m - a_m) / scale_m;
-    let at_a = (-a_m / scale_m).exp();
-    if d.abs() < 1e-2 { at_a * (1.0 - 0.5 * d) } else { at_a * (1.0 - (-d).exp()) / d }
+    // From the lower height upwards, so that the exponential of a height in space does not overflow.
+    let d = (b_m - a_m).abs() / scale_m;
+    let lower = (-a_m.min(b_m) / scale_m).exp();
+    lower * if d < 1e-2 { 1.0 - 0.5 * d } else { (1.0 - (-d).exp()) / d }
 }
 
 /// A chart for cloud or ground textures around the eye; twin of `Chart` in `common.wgsl`. See `geo::charts`.

@@ -98,12 +98,12 @@ fn crossings(up: f32, height: f32) -> vec2<f32> {
 }
 
 fn mean_density(a: f32, b: f32, scale: f32) -> f32 {
-    let d = (b - a) / scale;
-    let at_a = exp(-a / scale);
-    if abs(d) < 1e-2 {
-        return at_a * (1.0 - 0.5 * d);
+    let d = abs(b - a) / scale;
+    let lower = exp(-min(a, b) / scale);
+    if d < 1e-2 {
+        return lower * (1.0 - 0.5 * d);
     }
-    return at_a * (1.0 - exp(-d)) / d;
+    return lower * (1.0 - exp(-d)) / d;
 }
 
 fn air_transmittance(height: f32, t: f32) -> f32 {

@@ -9,6 +9,7 @@ use crate::passes::sky::Sky;
 use crate::passes::sky::atmosphere::{Air, Luminary, MOON_LUX, SUN_LUX};
 use crate::passes::sky::table::TableParams;
 use crate::world::command::Exposure;
+use crate::world::regions::weight_at;
 use crate::world::snapshot::{LayerState, Snapshot, ViewState};
 use glam::{DQuat, Vec3};
 
@@ -50,7 +51,7 @@ impl Illuminance {
     pub fn new(snapshot: &Snapshot, eye: &Eye, view: &ViewState) -> Self {
         let sun = eye.direction(snapshot.sky.sun_direction_ecef);
         let moon = eye.direction(snapshot.sky.moon_direction_ecef);
-        let haze = VISIBILITY_DEPTH / snapshot.weather.visibility_m.max(1.0) - 1.2e-5;
+        let haze = VISIBILITY_DEPTH / visibility_m(snapshot).max(1.0) - 1.2e-5;
         let air = Air { haze_per_m: haze.max(1e-7) as f32 };
         let lights = [
             Luminary { direction: sun, illuminance_lux: Vec3::splat(if sun.z > -0.31 { SUN_LUX } else { 0.0 }) },
@@ -171,6 +172,14 @@ impl Illuminance {
         let ground = self.ground.direct_lux * self.source.z.max(0.0) + self.ground.diffuse_lux;
         (ground * 0.13 + Vec3::new(1.0, 0.72, 0.42) * (0.6 * self.night)) * (2.0 * 0.079_577_47)
     }
+}
+
+/// Visibility at the ownship: the regions' where it is inside them, between the two by its logarithm in a transition.
+fn visibility_m(snapshot: &Snapshot) -> f64 {
+    snapshot.regions.iter().fold(snapshot.weather.visibility_m, |around, region| {
+        let share = region.presence * weight_at(&region.shape, &snapshot.ownship.position);
+        if share > 0.0 { around.powf(1.0 - share) * region.weather.visibility_m.powf(share) } else { around }
+    })
 }
 
 /// Illuminance outside the air by the moon's phase (Allen 1973: m = -12.73 + 0.026 a + 4e-9 a^4, a in degrees); none

@@ -6,11 +6,12 @@ use super::regions::NearRegion;
 use super::{LayerPlan, PassNote};
 use crate::clouds::coverage::Coverage;
 use crate::clouds::{density, detail, slices};
+use crate::geo::charts::weights;
 use crate::passes::common::Chart;
 use crate::passes::deck::{FLASHES, Flash, Layer, REGIONS, Region};
 use crate::passes::light::Light;
 use crate::world::snapshot::{LayerState, Snapshot};
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 /// No layer is drawn beyond this range: behind it is only haze at any visibility that the limits allow below 300 km.
 const FARTHEST_M: f64 = 300_000.0;
@@ -100,6 +101,8 @@ impl Context<'_> {
         let origin = near.first().map_or([0.0; 2], |c| {
             [c.origin_m.x, c.origin_m.y].map(|v| (v / f64::from(detail::TILE_M)).rem_euclid(1.0) as f32)
         });
+        // Detail lies in the nearest chart alone: it is gone where the next chart becomes the nearest, so that it never steps.
+        let detail_share = weights(&near, DVec3::Z).first().map_or(0.0, |w| (2.0 * w - 1.0).clamp(0.0, 1.0)) as f32;
         let mut outline = [Region::default(); REGIONS];
         for (slot, near) in outline.iter_mut().zip(self.regions) {
             *slot = near.outline;
@@ -122,7 +125,7 @@ impl Context<'_> {
             ring_first_m: FIRST_RING_M,
             ring_last_m: LAST_RING_M.min(extent as f32),
             extent_m: extent as f32,
-            detail: 0.6 * look.erosion,
+            detail: 0.6 * look.erosion * detail_share,
             charts: near.len() as u32,
             regions: self.regions.len() as u32,
             flashes: self.flashes.len() as u32,

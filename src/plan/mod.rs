@@ -99,3 +99,8 @@ pub fn plan(snapshot: &Snapshot, view: &ViewState, output: Output) -> FramePlan 
         notes,
     }
 }
+
+#[cfg(test)]
+pub(crate) mod scenes;
+#[cfg(test)]
+mod tests;

@@ -84,6 +84,10 @@ fn place(shape: &RegionShape, eye: &Eye, east_rad: f64, north_rad: f64) -> DVec2
     let axes = crate::geo::frames::enu(&centre);
     let at = (axes * DVec3::new(east_rad, north_rad, 1.0)).normalize();
     let local = eye.enu.transpose() * at;
-    // The antipode has no coordinate: far away is far enough.
-    DVec2::new(local.x, local.y) * (2.0 * eye.earth_m / (1.0 + local.z).max(1e-3))
+    // The antipode has no coordinate, and near it none that f32 holds: beyond 170 degrees, far away is far enough.
+    let level = DVec2::new(local.x, local.y);
+    if local.z < -0.985 {
+        return level.normalize_or(DVec2::X) * (24.0 * eye.earth_m);
+    }
+    level * (2.0 * eye.earth_m / (1.0 + local.z))
 }

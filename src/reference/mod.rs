@@ -206,3 +206,6 @@ impl Executor for ReferenceExecutor {
         1
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -141,7 +141,9 @@ fn bound_at(tile: vec2<f32>) -> f32 {
 
 fn fine(z: vec2<f32>, height: f32, t: f32) -> f32 {
     let fade = 1.0 - smoothstep(DETAIL_NEAR_M, DETAIL_FAR_M, t);
-    let at = vec3<f32>(layer.detail_origin + z / DETAIL_TILE_M, height / DETAIL_TILE_M);
+    // In the first chart's axes, so that it stands on the ground while the eye moves.
+    let moved = displacement(layer.chart[0].a, layer.chart[0].c, z);
+    let at = vec3<f32>(layer.detail_origin + moved / DETAIL_TILE_M, height / DETAIL_TILE_M);
     return layer.detail * fade * (textureSampleLevel(detail, repeated, at, 0.0).r - 0.5);
 }
 

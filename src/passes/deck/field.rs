@@ -85,9 +85,11 @@ pub fn sample(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_
     }
     if t_m < DETAIL_FADE_M[1] && found.margin.abs() < 0.5 * layer.detail + 1.0 / layer.inverse_edge {
         let fade = 1.0 - smoothstep(DETAIL_FADE_M[0], DETAIL_FADE_M[1], t_m);
+        // In the first chart's axes, so that it stands on the ground while the eye moves.
+        let moved = layer.chart[0].displacement(z);
         let q = [
-            layer.detail_origin[0] + z.x / detail::TILE_M,
-            layer.detail_origin[1] + z.y / detail::TILE_M,
+            layer.detail_origin[0] + moved.x / detail::TILE_M,
+            layer.detail_origin[1] + moved.y / detail::TILE_M,
             height_m / detail::TILE_M,
         ];
         let noise = volume_byte(textures.detail, detail::WIDTH, detail::WIDTH, true, q) - 0.5;

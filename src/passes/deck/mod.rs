@@ -96,7 +96,7 @@ pub struct Layer {
     pub flashes: u32,
     /// Which region the layer belongs to, counted from 1; 0: the surroundings.
     pub region: u32,
-    /// Origin of the detail noise in periods of its tile (east, north).
+    /// Origin of the detail noise in periods of its tile, along the axes of the first chart.
     pub detail_origin: [f32; 2],
     /// Distance over which the shape value changes by one at most, m: how far a look outside the cloud may step.
     pub reach_m: f32,

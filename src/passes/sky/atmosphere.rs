@@ -55,7 +55,8 @@ impl Air {
             eye_m * (2.0 * EARTH_M + eye_m) / (ground.sqrt() - b)
         } else {
             let c = (eye_m - TOP_M) * (2.0 * EARTH_M + eye_m + TOP_M);
-            (b * b - c).max(0.0).sqrt() - b
+            // From above the air, a ray that leaves the Earth has its end behind it.
+            ((b * b - c).max(0.0).sqrt() - b).max(0.0)
         };
         let (mut light, mut passed) = (Vec3::ZERO, Vec3::ONE);
         let mut before = 0.0;

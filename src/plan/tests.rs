@@ -1,0 +1,229 @@
+//! Plans of extreme snapshots are finite; textures stand still under a moving eye; what a scene does not need is left out.
+
+use super::eye::Eye;
+use super::scenes::{clear_day, cumulus_at, extremes, flash, layer, place, region, sun};
+use super::*;
+use crate::clouds::{density, detail, modulation};
+use crate::geo::Geodetic;
+use crate::geo::wgs84::{from_ecef, to_ecef};
+use crate::passes::common::stereographic;
+use crate::passes::deck::field::{BOUNDS_WIDTH, Textures, sample};
+use bytemuck::Pod;
+use glam::{DQuat, DVec3, Vec2};
+
+fn plan_of(snapshot: &Snapshot) -> FramePlan {
+    plan(snapshot, &snapshot.views[0], Output::Srgb8)
+}
+
+fn eye_at(snapshot: &Snapshot, position: Geodetic) -> Eye {
+    let mut ownship = snapshot.ownship;
+    ownship.position = position;
+    Eye::new(&ownship, &snapshot.views[0])
+}
+
+/// Whole numbers among the members read as tiny floats, which are finite too.
+fn finite<T: Pod>(scene: &str, value: &T) {
+    let numbers: &[f32] = bytemuck::cast_slice(std::slice::from_ref(value));
+    let name = std::any::type_name::<T>();
+    for (index, number) in numbers.iter().enumerate() {
+        assert!(number.is_finite(), "{scene}: number {index} of {name} is {number}");
+    }
+}
+
+#[test]
+fn every_number_of_an_extreme_plan_is_finite() {
+    for (scene, snapshot) in extremes() {
+        let plan = plan_of(&snapshot);
+        finite(&scene, &plan.camera);
+        finite(&scene, &plan.sky);
+        let table = &plan.table;
+        finite(&scene, &[table.eye_m, table.horizon, table.haze_per_m, table.night_luminance, table.scale]);
+        for light in &table.lights {
+            finite(&scene, &[light.direction.to_array(), light.illuminance_lux.to_array()]);
+        }
+        plan.ground.iter().for_each(|ground| finite(&scene, ground));
+        for layer in &plan.layers {
+            finite(&scene, &layer.layer);
+            layer.light.iter().for_each(|light| finite(&scene, light));
+            assert_eq!(layer.light.len(), layer.layer.charts as usize, "{scene}");
+            assert!((1..=3).contains(&layer.layer.charts), "{scene}");
+        }
+    }
+}
+
+#[test]
+fn equal_snapshots_have_equal_plans() {
+    for ((_, a), (_, b)) in extremes().into_iter().zip(extremes()) {
+        assert_eq!(plan_of(&a), plan_of(&b));
+    }
+}
+
+/// Chart, and coordinates of a ground point in the 16 km tile (m) and in the map (periods), as the passes find them.
+fn coordinates(eye: &Eye, point: &Geodetic) -> Vec<(usize, Vec2, Vec2)> {
+    let earth_m = eye.earth_m as f32;
+    let (views, charts) = eye.charts(DQuat::IDENTITY, 300_000.0, f64::from(density::TILE_M));
+    let z = stereographic(eye.place(point), earth_m, earth_m);
+    let found = views.iter().zip(&charts).map(|(view, chart)| {
+        let moved = chart.displacement(z);
+        let map = Vec2::from(chart.map_origin) + modulation::coordinates(moved);
+        (view.chart, Vec2::from(chart.tile_origin_m) + moved, map)
+    });
+    found.collect()
+}
+
+/// Difference of two coordinates that repeat.
+fn apart(a: Vec2, b: Vec2, period: f32) -> f32 {
+    let d = a - b;
+    (d - (d / period).round() * period).length()
+}
+
+#[test]
+fn a_millimetre_of_the_eye_moves_no_texture() {
+    let snapshot = clear_day();
+    for (latitude_deg, longitude_deg) in [
+        (90.0, 0.0),
+        (-90.0, 0.0),
+        (89.999_999, 30.0),
+        (0.0, 180.0),
+        (47.0, -180.0),
+        (-60.0, 179.999_999),
+        (10.0, 20.0),
+    ] {
+        let here = place(latitude_deg, longitude_deg, 1_000.0);
+        let eye = eye_at(&snapshot, here);
+        for (azimuth, distance_m) in [(0.3, 0.0), (1.0, 700.0), (2.5, 5_000.0), (4.0, 40_000.0)] {
+            let (east, north) = f64::sin_cos(azimuth);
+            let ground = from_ecef(eye.ground_ecef_m + eye.enu * DVec3::new(east, north, 0.0) * distance_m);
+            let ground = Geodetic { altitude_m: 0.0, ..ground };
+            let before = coordinates(&eye, &ground);
+            for step in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y] {
+                let there = from_ecef(to_ecef(&here) + step * 1e-3);
+                let after = coordinates(&eye_at(&snapshot, there), &ground);
+                // A picture of 640 pixels and 60 degrees.
+                let pixel_m = 2.0 * 30.0f32.to_radians().tan() / 640.0 * (distance_m as f32).hypot(1_000.0);
+                for (chart, tile, map) in &before {
+                    let found = after.iter().find(|(other, _, _)| other == chart);
+                    let (_, tile_after, map_after) = found.expect("a chart does not vanish at one step");
+                    // f32 resolves 16 km to 1 mm and rounds a few times on the way; the map is 405 km to one period, which
+                    // f32 resolves to 2.4 cm, against texels of 790 m, of which the ground's finest pattern takes a 60th.
+                    let (tile_m, map_m) =
+                        (apart(*tile, *tile_after, density::TILE_M), apart(*map, *map_after, 1.0) * modulation::TILE_M);
+                    let at = format!("{latitude_deg} {longitude_deg}, {distance_m} m, {step}");
+                    assert!(tile_m < 0.01 * pixel_m, "{at}: tile moved {tile_m} m, a pixel is {pixel_m} m");
+                    assert!(map_m < 0.06 * pixel_m, "{at}: map moved {map_m} m, a pixel is {pixel_m} m");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn detail_stands_on_the_ground_while_the_eye_flies() {
+    // Cloud of one shape value, so that only map and detail vary.
+    let volume = vec![[128u8; 4]; density::WIDTH * density::WIDTH * density::HEIGHT];
+    let bounds = vec![255u8; BOUNDS_WIDTH * BOUNDS_WIDTH];
+    for (latitude_deg, longitude_deg) in [(47.0, 8.0), (-20.0, 100.0), (89.0, 40.0)] {
+        let here = place(latitude_deg, longitude_deg, 1_500.0);
+        let snapshot = cumulus_at(here);
+        let first = eye_at(&snapshot, here);
+        let mut moved = snapshot.clone();
+        let flown = to_ecef(&here) + first.enu * DVec3::new(300.0, 400.0, 0.0);
+        moved.ownship.position = from_ecef(flown);
+        let plans = [plan_of(&snapshot), plan_of(&moved)];
+        let eyes = [first, eye_at(&snapshot, from_ecef(flown))];
+        let volumes = vec![volume.as_slice(); plans[0].layers[0].layer.charts as usize];
+        let textures =
+            Textures { volumes: &volumes, bounds: &bounds, map: modulation::map(), detail: detail::volume() };
+        let (mut change, mut detail) = (0.0f32, 0.0f32);
+        for k in 0..200 {
+            let (x, y) = (f64::from(k % 20) * 61.0, f64::from(k / 20) * 53.0);
+            let point = from_ecef(eyes[0].ground_ecef_m + eyes[0].enu * DVec3::new(x, y, 1_500.0));
+            let margin = |i: usize, range_m: f32| {
+                let (layer, earth_m) = (&plans[i].layers[0].layer, eyes[i].earth_m as f32);
+                sample(layer, &textures, earth_m, eyes[i].place(&point), 1_500.0, range_m).margin
+            };
+            change += (margin(0, 1_000.0) - margin(1, 1_000.0)).abs();
+            // Beyond its range there is no detail: the difference is the detail.
+            detail += (margin(0, 1_000.0) - margin(0, 100_000.0)).abs();
+        }
+        // The sphere that stands for the Earth has one radius in all directions, the ellipsoid two that differ by up to 0.7 %:
+        // of 500 m flown that is 3.5 m at most, a sixth of a texel of 22 m.
+        assert!(detail > 1.0, "{latitude_deg}: there is detail to compare: {detail}");
+        assert!(change < 0.2 * detail, "{latitude_deg}: changed {change} of {detail}");
+    }
+}
+
+#[test]
+fn a_region_at_the_antipode_is_not_over_the_eye() {
+    for offset_deg in [0.0, 1e-9, 1e-3, 1.0] {
+        let mut snapshot = cumulus_at(place(47.0, 8.0, 1_500.0));
+        snapshot.regions.push(region(-47.0 + offset_deg, -172.0, 2_000_000.0, 1_000.0));
+        let plan = plan_of(&snapshot);
+        assert!(plan.layers.iter().all(|l| l.layer.regions == 0), "{offset_deg}: {:?}", plan.notes);
+    }
+}
+
+#[test]
+fn inside_a_region_its_own_visibility_rules() {
+    let mut snapshot = clear_day();
+    let haze = |s: &Snapshot| plan_of(s).camera.haze_per_m;
+    let outside = haze(&snapshot);
+    let mut own = region(47.0, 8.0, 10_000.0, 1_000.0);
+    own.weather.visibility_m = 500.0;
+    snapshot.regions.push(own);
+    // 3.0 / visibility, less the molecules' part (5 % contrast).
+    assert!((haze(&snapshot) * 500.0 - 2.99).abs() < 0.02, "{}", haze(&snapshot));
+    snapshot.regions[0].presence = 0.5;
+    let half = haze(&snapshot);
+    assert!(half > outside && half < 2.9 / 500.0, "{half}");
+    snapshot.regions[0].shape.latitude_deg = 48.0;
+    assert_eq!(haze(&snapshot), outside);
+}
+
+#[test]
+fn what_a_scene_does_not_need_is_left_out() {
+    let noon = cumulus_at(place(47.0, 8.0, 1_500.0));
+    let mut overcast_night = sun(noon.clone(), -40.0);
+    overcast_night.weather.layers = vec![layer(CloudKind::Stratus, 400.0, 600.0)];
+    overcast_night.weather.layers[0].coverage = 1.0;
+    let mut stormy = noon.clone();
+    stormy.flashes.push(flash(place(47.05, 8.0, 3_000.0)));
+    let mut dark_flash = noon.clone();
+    dark_flash.flashes.push(flash(place(47.05, 8.0, 3_000.0)));
+    dark_flash.flashes[0].intensity_cd = 0.0;
+    let mut out_of_sight = noon.clone();
+    out_of_sight.regions.push(region(-10.0, 100.0, 50_000.0, 1_000.0));
+    let mut near = noon.clone();
+    near.regions.push(region(47.2, 8.0, 20_000.0, 1_000.0));
+    let mut no_cloud = noon.clone();
+    no_cloud.weather.layers[0].coverage = 0.0;
+    let mut two = noon.clone();
+    two.weather.layers.push(layer(CloudKind::Cirrus, 8_000.0, 500.0));
+    two.weather.layers[0].density = 0.0;
+
+    let always = [("ground", true), ("sky", true), ("tonemap", true)];
+    let cases: [(&str, Snapshot, &[(&str, bool)]); 8] = [
+        ("clear day", clear_day(), &[("flash", false), ("deck", false)]),
+        ("overcast night", overcast_night, &[("flash", false), ("deck", true)]),
+        ("flash", stormy, &[("flash", true), ("deck", true)]),
+        ("a flash without light", dark_flash, &[("flash", false), ("deck", true)]),
+        ("region out of sight", out_of_sight, &[("region", false), ("flash", false), ("deck", true)]),
+        ("region in sight", near, &[("region", true), ("flash", false), ("deck", true), ("deck", true)]),
+        ("no cloud", no_cloud, &[("flash", false), ("deck", false), ("deck", false)]),
+        ("one layer of two", two, &[("flash", false), ("deck", false), ("deck", true)]),
+    ];
+    for (name, snapshot, expected) in cases {
+        let plan = plan_of(&snapshot);
+        let found: Vec<(&str, bool)> = plan.notes.iter().map(|note| (note.pass, note.kept)).collect();
+        let expected: Vec<(&str, bool)> = expected.iter().chain(&always).copied().collect();
+        assert_eq!(found, expected, "{name}");
+        // What the notes say is what the executors get.
+        let kept = |pass: &str| found.iter().filter(|note| **note == (pass, true)).count();
+        assert_eq!(plan.layers.len(), kept("deck"), "{name}");
+        assert!(plan.layers.iter().all(|l| l.layer.flashes as usize == kept("flash")), "{name}");
+        assert!(plan.layers.iter().all(|l| (l.layer.regions > 0) == (kept("region") > 0)), "{name}");
+        assert!(plan.notes.iter().all(|note| !note.why.is_empty()), "{name}");
+    }
+    let linear = plan(&noon, &noon.views[0], Output::LinearRgb);
+    assert!(linear.notes.iter().any(|note| note.pass == "tonemap" && !note.kept));
+}
