@@ -1,4 +1,4 @@
-//! The globe in f64: WGS84, local frames, charts for cloud textures, sun and moon, land and sea.
+//! The globe in f64: WGS84, local frames, charts for cloud textures, sun and moon.
 
 pub mod celestial;
 pub mod charts;

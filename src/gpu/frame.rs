@@ -3,7 +3,7 @@
 use super::GpuExecutor;
 use super::device::Gpu;
 use super::pipelines::{DeckVariant, Pipelines};
-use super::resident::Resident;
+use super::resident::{Resident, VOLUMES_KEPT};
 use super::ring::Content;
 use super::targets::Target;
 use crate::passes::common::Camera;
@@ -138,7 +138,9 @@ fn deck(
     layer: &LayerPlan,
     instances: &[u8],
 ) -> Deck {
-    let volumes: Vec<_> = layer.light.iter().map(|l| resident.volume(gpu, pipelines, layer.kind, l)).collect();
+    // Fewer than one picture needs would be made anew for each picture.
+    let most = plan.layers.iter().map(|layer| layer.light.len()).sum::<usize>().max(VOLUMES_KEPT);
+    let volumes: Vec<_> = layer.light.iter().map(|l| resident.volume(gpu, pipelines, layer.kind, l, most)).collect();
     let bounds = resident.bounds(gpu, layer.kind);
     let (sector, steps) = sector(&plan.camera);
     let uniform = gpu.buffer("layer", bytemuck::bytes_of(&layer.layer), wgpu::BufferUsages::STORAGE);

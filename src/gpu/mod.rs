@@ -66,7 +66,7 @@ impl Executor for GpuExecutor {
     fn collect(&mut self, wait: bool) -> Result<Vec<Finished>, Fault> {
         let finished = self.ring.collect(&self.gpu, wait);
         self.gpu.check()?;
-        Ok(finished)
+        finished
     }
 
     fn depth(&self) -> usize {

@@ -11,8 +11,8 @@ use crate::passes::light::Light;
 use crate::passes::sky::table::{self, TableParams};
 use std::collections::VecDeque;
 
-/// Light volumes kept at once (8 MiB each).
-const VOLUMES_KEPT: usize = 16;
+/// Light volumes kept at once (8 MiB each), or as many as one picture needs.
+pub const VOLUMES_KEPT: usize = 16;
 
 /// A genus's shape values and their bounds by column.
 pub struct Shape {
@@ -88,8 +88,15 @@ impl Resident {
         self.shape(gpu, kind).bounds.clone()
     }
 
-    /// The light volume of a genus for these parameters; computed where it is not resident.
-    pub fn volume(&mut self, gpu: &Gpu, pipelines: &Pipelines, kind: CloudKind, params: &Light) -> wgpu::TextureView {
+    /// The light volume of a genus for these parameters; computed where it is not resident. `most`: how many may stay.
+    pub fn volume(
+        &mut self,
+        gpu: &Gpu,
+        pipelines: &Pipelines,
+        kind: CloudKind,
+        params: &Light,
+        most: usize,
+    ) -> wgpu::TextureView {
         let key = (kind, *params);
         let found = self.volumes.iter().position(|(k, _)| *k == key).and_then(|at| self.volumes.remove(at));
         let entry = found.unwrap_or_else(|| {
@@ -99,7 +106,7 @@ impl Resident {
         });
         let view = entry.1.clone();
         self.volumes.push_front(entry);
-        self.volumes.truncate(VOLUMES_KEPT);
+        self.volumes.truncate(most);
         view
     }
 

@@ -3,7 +3,7 @@
 
 use super::device::Gpu;
 use crate::frame::Pixels;
-use crate::plan::executor::Finished;
+use crate::plan::executor::{Fault, Finished};
 use half::f16;
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -92,9 +92,12 @@ impl Ring {
     }
 
     /// Pictures that are ready, oldest first; waits for the oldest if asked to.
-    pub fn collect(&mut self, gpu: &Gpu, wait: bool) -> Vec<Finished> {
+    ///
+    /// # Errors
+    /// A picture could not be read back: whoever waits for it has to be told, or waits for ever.
+    pub fn collect(&mut self, gpu: &Gpu, wait: bool) -> Result<Vec<Finished>, Fault> {
         let poll = match self.under_way.front() {
-            None => return Vec::new(),
+            None => return Ok(Vec::new()),
             Some(oldest) if wait => {
                 wgpu::PollType::Wait { submission_index: Some(oldest.submission.clone()), timeout: None }
             }
@@ -105,14 +108,16 @@ impl Ring {
         let mut finished = Vec::new();
         while self.under_way.front().is_some_and(|slot| slot.state.load(Ordering::Acquire) != WAITING) {
             let Some(slot) = self.under_way.pop_front() else { break };
-            if slot.state.load(Ordering::Acquire) == READY {
-                finished.extend(slot.pixels().map(|pixels| Finished { ticket: slot.ticket, pixels }));
-                slot.buffer.unmap();
-                self.free.push(slot.buffer);
-                self.free.drain(..self.free.len().saturating_sub(2 * DEPTH));
-            }
+            let read = if slot.state.load(Ordering::Acquire) == READY { slot.pixels() } else { None };
+            let Some(pixels) = read else {
+                return Err(Fault::DeviceLost("a picture could not be read back".to_owned()));
+            };
+            finished.push(Finished { ticket: slot.ticket, pixels });
+            slot.buffer.unmap();
+            self.free.push(slot.buffer);
+            self.free.drain(..self.free.len().saturating_sub(2 * DEPTH));
         }
-        finished
+        Ok(finished)
     }
 
     /// Buffers that live.

@@ -208,11 +208,7 @@ fn a_wrong_shader_is_noticed() {
         ("ground", "seen = lit * albedo * 0.31830987", "seen = lit * albedo * 0.36"),
         ("sky", "found.rgb * sky.table_scale", "found.rgb * sky.table_scale * 1.05"),
     ] {
-        let mut sources: HashMap<_, _> = shaders().into_iter().collect();
-        let source = sources.get_mut(module).expect("a module");
-        assert!(source.contains(right), "{module} has no {right:?}");
-        *source = source.replace(right, wrong);
-        gpu.pipelines = Pipelines::from_sources(&gpu.gpu, &sources);
+        gpu.pipelines = broken(&gpu, module, right, wrong);
         let scene = match module {
             "ground" => Scene { coverage: 0.0, pitch_deg: -50.0, ..BELOW },
             "sky" => Scene { coverage: 0.0, altitude_m: 9000.0, pitch_deg: 3.0, ..BELOW },
@@ -223,10 +219,8 @@ fn a_wrong_shader_is_noticed() {
     }
 }
 
-#[test]
-#[cfg_attr(not(gpu_tests), ignore = "no graphics adapter")]
-fn the_light_volume_equals_its_twin() {
-    let gpu = gpu();
+/// Codes by which the light volume and its twin differ at most, and the share of values that differ by one.
+fn light_apart(gpu: &GpuExecutor) -> (u8, f32) {
     let params = BELOW.plan(Output::LinearRgb).layers[0].light[0];
     let shape = DensityVolume::of(CloudKind::Cumulus);
     let scratch = light::Scratch::new(&gpu.gpu);
@@ -234,15 +228,36 @@ fn the_light_volume_equals_its_twin() {
     let size = [WIDTH as u32, WIDTH as u32, HEIGHT as u32];
     let values = super::textures::filled(&gpu.gpu, "shape", format, size, &shape.shape);
     let view = light::compute(&gpu.gpu, &gpu.pipelines, &scratch, &values, &params);
-    let drawn = read_volume(&gpu, view.texture());
+    let drawn = read_volume(gpu, view.texture());
     let twin = twin::light(&params, &shape.shape);
     let apart: Vec<u8> = drawn.iter().zip(twin.as_flattened()).map(|(a, b)| a.abs_diff(*b)).collect();
     let largest = apart.iter().max().copied().unwrap_or(0);
     let one_off = apart.iter().filter(|d| **d == 1).count() as f32 / apart.len() as f32;
     println!("light: largest {largest} codes, {:.4} % of values off by one", 100.0 * one_off);
+    (largest, one_off)
+}
+
+#[test]
+#[cfg_attr(not(gpu_tests), ignore = "no graphics adapter")]
+fn the_light_volume_equals_its_twin() {
+    let mut gpu = gpu();
+    let (largest, one_off) = light_apart(&gpu);
     // Sums of 32 slices round differently in the last bit; that can tip a value over the edge between two codes.
     assert!(largest <= 1, "{largest}");
     assert!(one_off < 0.01, "{one_off}");
+    gpu.pipelines =
+        broken(&gpu, "light", "exp(-(1.0 - FORWARD_SHARE) * over.x)", "exp(-(0.95 - FORWARD_SHARE) * over.x)");
+    let (largest, _) = light_apart(&gpu);
+    assert!(largest > 1, "a wrong shader is noticed: {largest}");
+}
+
+/// Pipelines with one shader made wrong.
+fn broken(gpu: &GpuExecutor, module: &'static str, right: &str, wrong: &str) -> Pipelines {
+    let mut sources: HashMap<_, _> = shaders().into_iter().collect();
+    let source = sources.get_mut(module).expect("a module");
+    assert!(source.contains(right), "{module} has no {right:?}");
+    *source = source.replace(right, wrong);
+    Pipelines::from_sources(&gpu.gpu, &sources)
 }
 
 fn read_volume(gpu: &GpuExecutor, texture: &wgpu::Texture) -> Vec<u8> {
@@ -267,17 +282,27 @@ fn read_volume(gpu: &GpuExecutor, texture: &wgpu::Texture) -> Vec<u8> {
     buffer.get_mapped_range(..).expect("mapped").to_vec()
 }
 
-#[test]
-#[cfg_attr(not(gpu_tests), ignore = "no graphics adapter")]
-fn tone_mapping_equals_its_twin() {
+/// Share of codes by which tone mapping and its twin differ by more than one.
+fn tones_apart(gpu: &mut GpuExecutor) -> f32 {
     let plan = Scene { coverage: 0.0, pitch_deg: 10.0, ..BELOW }.plan(Output::Srgb8);
-    let (drawn, twin) = (draw(&mut gpu(), &plan), draw(&mut ReferenceExecutor::new(), &plan));
+    let (drawn, twin) = (draw(gpu, &plan), draw(&mut ReferenceExecutor::new(), &plan));
     let (Pixels::Srgb8(drawn), Pixels::Srgb8(twin)) = (drawn, twin) else { panic!("8 bits were asked for") };
     let apart: Vec<u8> = drawn.iter().zip(&twin).map(|(a, b)| a.abs_diff(*b)).collect();
     let beyond = apart.iter().filter(|d| **d > 1).count() as f32 / apart.len() as f32;
     println!("tonemap: largest {:?} codes, {:.3} % beyond one", apart.iter().max(), 100.0 * beyond);
+    beyond
+}
+
+#[test]
+#[cfg_attr(not(gpu_tests), ignore = "no graphics adapter")]
+fn tone_mapping_equals_its_twin() {
+    let mut gpu = gpu();
+    let beyond = tones_apart(&mut gpu);
     // The light differs by up to 0.3 % (see above), that is half a code; the noise decides the rounding.
     assert!(beyond < 0.005, "{beyond}");
+    gpu.pipelines = broken(&gpu, "tonemap", "1.0 / 2.4", "1.0 / 2.3");
+    let beyond = tones_apart(&mut gpu);
+    assert!(beyond > 0.1, "a wrong shader is noticed: {beyond}");
 }
 
 #[test]

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-/// Light volumes kept at once (8 MiB each).
+/// Light volumes kept at once (8 MiB each), or as many as one picture needs.
 const VOLUMES_KEPT: usize = 16;
 
 /// Texels of a light volume.
@@ -40,10 +40,11 @@ impl ReferenceExecutor {
     /// Draws a plan at once.
     pub fn draw(&mut self, plan: &FramePlan) -> Pixels {
         let table = self.table(&plan.table);
+        let most = plan.layers.iter().map(|layer| layer.light.len()).sum::<usize>().max(VOLUMES_KEPT);
         let mut volumes = Vec::new();
         let mut bounds = Vec::new();
         for layer in &plan.layers {
-            volumes.push(layer.light.iter().map(|l| self.volume(layer.kind, l)).collect::<Vec<_>>());
+            volumes.push(layer.light.iter().map(|l| self.volume(layer.kind, l, most)).collect::<Vec<_>>());
             bounds.push(self.bounds(layer.kind));
         }
         let slices: Vec<Vec<&[[u8; 4]]>> = volumes.iter().map(|v| v.iter().map(|t| t.as_slice()).collect()).collect();
@@ -75,10 +76,8 @@ impl ReferenceExecutor {
         }
     }
 
-    fn volume(&mut self, kind: CloudKind, params: &Light) -> Arc<Volume> {
-        keep(&mut self.volumes, (kind, *params), VOLUMES_KEPT, || {
-            light::twin::light(params, &DensityVolume::of(kind).shape)
-        })
+    fn volume(&mut self, kind: CloudKind, params: &Light, most: usize) -> Arc<Volume> {
+        keep(&mut self.volumes, (kind, *params), most, || light::twin::light(params, &DensityVolume::of(kind).shape))
     }
 
     fn bounds(&mut self, kind: CloudKind) -> Arc<Vec<u8>> {
