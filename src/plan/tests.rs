@@ -180,6 +180,9 @@ fn inside_a_region_its_own_visibility_rules() {
     assert_eq!(haze(&snapshot), outside);
 }
 
+/// Passes by name, kept or left out.
+type Passes = &'static [(&'static str, bool)];
+
 #[test]
 fn what_a_scene_does_not_need_is_left_out() {
     let noon = cumulus_at(place(47.0, 8.0, 1_500.0));
@@ -202,7 +205,7 @@ fn what_a_scene_does_not_need_is_left_out() {
     two.weather.layers[0].density = 0.0;
 
     let always = [("ground", true), ("sky", true), ("tonemap", true)];
-    let cases: [(&str, Snapshot, &[(&str, bool)]); 8] = [
+    let cases: [(&str, Snapshot, Passes); 8] = [
         ("clear day", clear_day(), &[("flash", false), ("deck", false)]),
         ("overcast night", overcast_night, &[("flash", false), ("deck", true)]),
         ("flash", stormy, &[("flash", true), ("deck", true)]),

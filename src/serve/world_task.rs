@@ -213,6 +213,10 @@ impl WorldTask {
         if to_s < now_s || to_s.is_nan() {
             return Err(Refused::new("to_s", to_s, format!("at least {now_s}"), "a step cannot go back in time"));
         }
+        let end_s = self.world.timeline().map_or(0.0, |timeline| timeline.duration_s);
+        if end_s > 0.0 && to_s > end_s {
+            return Err(Refused::new("to_s", to_s, format!("at most {end_s}"), "the scenario ends there"));
+        }
         if self.metrics.steps_waiting.load(Relaxed) >= limits::STEPS_WAITING as u64 {
             let limit = format!("{} steps", limits::STEPS_WAITING);
             return Err(Refused::new("to_s", to_s, limit, "too many steps are waiting: await `stepped`"));

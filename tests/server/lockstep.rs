@@ -97,6 +97,20 @@ async fn the_free_clock_stops_until_play() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn a_step_beyond_the_scenarios_end_is_refused() {
+    let server = Server::start().await;
+    let mut host = server.host().await;
+    let short =
+        json!({"type": "scenario", "protocol": "stormdeck.v1", "name": "short", "duration_s": 60, "entries": []});
+    host.acked(json!({"type": "scenario", "action": "load", "document": short})).await;
+    let at_end = host.ask(json!({"type": "step", "to_s": 60.0})).await;
+    assert_eq!((&at_end["type"], &at_end["simulation_time_s"]), (&json!("stepped"), &json!(60.0)), "{at_end}");
+    // The time stops at the end: a step beyond it would be answered with a time that no picture shows.
+    host.refused(json!({"type": "step", "to_s": 60.5}), "to_s").await;
+    server.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn a_picture_over_http_is_that_of_the_last_step() {
     let server = Server::start().await;
     let mut host = server.host().await;

@@ -18,6 +18,8 @@ async fn what_is_refused_leaves_the_world_as_it_was() {
         "wind_speed_mps": 5.0, "wind_from_deg": 270.0});
     let mut thin = layer.clone();
     thin["thickness_m"] = (-1.0).into();
+    let mut over = layer.clone();
+    over["base_m"] = 1500.0.into();
     for (message, field) in [
         (
             json!({"type": "ownship", "latitude_deg": 91.0, "longitude_deg": 0.0, "altitude_m": 0.0,
@@ -25,6 +27,7 @@ async fn what_is_refused_leaves_the_world_as_it_was() {
             "latitude_deg",
         ),
         (json!({"type": "weather", "layers": [layer, thin]}), "layers[1].thickness_m"),
+        (json!({"type": "weather", "layers": [layer, over]}), "layers[1].base_m"),
         (json!({"type": "weather", "visiblity_m": 5000.0}), "visiblity_m"),
         (json!({"type": "view", "action": "remove", "name": "nowhere"}), "name"),
         (json!({"type": "subscribe", "view": "nowhere", "format": "jpeg"}), "view"),
@@ -39,7 +42,7 @@ async fn what_is_refused_leaves_the_world_as_it_was() {
     for field in ["ownship", "weather", "views", "regions", "simulation_time_s", "player"] {
         assert_eq!(before[field], after[field], "{field}");
     }
-    assert_eq!(server.metric("stormdeck_refusals_total").await, 9.0);
+    assert_eq!(server.metric("stormdeck_refusals_total").await, 10.0);
     server.stop().await;
 }
 
@@ -48,7 +51,9 @@ async fn what_is_no_message_is_refused_and_the_conversation_goes_on() {
     let server = Server::start().await;
     let mut host = server.host().await;
     let deep = "[".repeat(5000);
-    for nonsense in ["", "{", "null", "[]", "\"hello\"", "{\"type\":\"ownship\",\"latitude_deg\":NaN}", deep.as_str()] {
+    let (nan, infinity) =
+        ("{\"type\":\"ownship\",\"latitude_deg\":NaN}", "{\"type\":\"weather\",\"visibility_m\":1e999}");
+    for nonsense in ["", "{", "null", "[]", "\"hello\"", nan, infinity, deep.as_str()] {
         host.client.send(nonsense).await.unwrap();
         let answer = host.next_answer().await;
         assert_eq!((&answer["type"], &answer["seq"]), (&json!("refused"), &Value::Null), "{nonsense}: {answer}");
