@@ -1,15 +1,5 @@
 //! Units: conversions between what people say and what the house computes in (SI, radians).
 
-/// Metres in one foot (exact, international foot).
-pub const METRES_PER_FOOT: f64 = 0.3048;
-/// Metres per second in one knot (exact).
-pub const MPS_PER_KNOT: f64 = 1852.0 / 3600.0;
-
-/// Degrees to radians.
-pub fn rad(deg: f64) -> f64 {
-    deg.to_radians()
-}
-
 /// Radians to degrees.
 pub fn deg(rad: f64) -> f64 {
     rad.to_degrees()
