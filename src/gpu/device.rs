@@ -12,6 +12,7 @@ pub struct Gpu {
     /// Format in which light is gathered.
     pub light_format: wgpu::TextureFormat,
     trouble: Arc<Mutex<Option<Fault>>>,
+    instance: wgpu::Instance,
 }
 
 impl Gpu {
@@ -56,7 +57,7 @@ impl Gpu {
         device
             .set_device_lost_callback(move |reason, message| lost(Fault::DeviceLost(format!("{reason:?}: {message}"))));
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| failed(Fault::DeviceLost(error.to_string()))));
-        Ok(Self { device, queue, name, light_format, trouble })
+        Ok(Self { device, queue, name, light_format, trouble, instance })
     }
 
     /// What has gone wrong, if anything: the device is of no more use then.
@@ -65,6 +66,17 @@ impl Gpu {
             Some(fault) => Err(fault.clone()),
             None => Ok(()),
         }
+    }
+
+    /// Buffers, textures, views and bind groups that somebody holds, as wgpu itself counts them.
+    pub fn object_count(&self) -> usize {
+        self.instance.generate_report().map_or(0, |report| {
+            let hub = report.hub_report();
+            [&hub.buffers, &hub.textures, &hub.texture_views, &hub.bind_groups]
+                .map(|kind| kind.num_allocated)
+                .iter()
+                .sum()
+        })
     }
 
     /// A buffer with these contents.

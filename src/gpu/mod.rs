@@ -74,6 +74,6 @@ impl Executor for GpuExecutor {
     }
 
     fn object_count(&self) -> usize {
-        self.resident.count() + self.targets.count() + self.ring.count()
+        self.gpu.object_count()
     }
 }

@@ -110,11 +110,6 @@ impl Resident {
         view
     }
 
-    /// Textures and buffers that live.
-    pub fn count(&self) -> usize {
-        3 + usize::from(self.table.is_some()) + 2 * self.shapes.len() + self.volumes.len()
-    }
-
     fn shape(&mut self, gpu: &Gpu, kind: CloudKind) -> &Shape {
         let at = self.shapes.iter().position(|(k, _)| *k == kind).unwrap_or_else(|| {
             let shape = &DensityVolume::of(kind).shape;

@@ -119,11 +119,6 @@ impl Ring {
         }
         Ok(finished)
     }
-
-    /// Buffers that live.
-    pub fn count(&self) -> usize {
-        self.under_way.len() + self.free.len()
-    }
 }
 
 impl Slot {

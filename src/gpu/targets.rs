@@ -38,11 +38,6 @@ impl Targets {
         self.kept.truncate(KEPT);
         &self.kept[0]
     }
-
-    /// Textures that live.
-    pub fn count(&self) -> usize {
-        4 * self.kept.len()
-    }
 }
 
 impl Target {

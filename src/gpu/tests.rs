@@ -330,6 +330,9 @@ fn objects_stay_flat() {
     let before = gpu.object_count();
     (0..20).for_each(|_| drop(draw(&mut gpu, &plan)));
     assert_eq!(gpu.object_count(), before);
+    let kept = gpu.gpu.buffer("kept", &[0; 16], wgpu::BufferUsages::STORAGE);
+    assert_eq!(gpu.object_count(), before + 1, "what somebody keeps is counted");
+    drop(kept);
 }
 
 #[test]

@@ -49,7 +49,7 @@ pub trait Executor {
     /// How many tickets may be under way at once (the read-back ring).
     fn depth(&self) -> usize;
 
-    /// Buffers, textures and bind groups that live on the device now; 0 where there is none. Flat in the long run.
+    /// Buffers, textures, views and bind groups held on the device now; 0 where there is none. Flat in the long run.
     fn object_count(&self) -> usize {
         0
     }
