@@ -2,8 +2,8 @@
 //!
 //! An instance stands for a piece of the ray between two surfaces: slabs between slices, or between rings whose radii
 //! grow by a constant ratio. Slices are `dh` apart in height, so a ray of elevation e meets one every `dh / |sin e|`. Where
-//! that is short against the range slabs carry the ray, else rings do; the weights of the two add up to one everywhere
-//! and depend on the position alone. So steep rays are drawn by slices, grazing ones by billboards; there is no gap at the
+//! that is short against the range slabs carry the ray, else rings do: along a ray rings come first, and one range at which
+//! slabs take over, which depends on the position alone. So steep rays are drawn by slices, grazing ones by billboards; there is no gap at the
 //! horizon, no edge between the levels of detail, and two abutting views agree.
 
 /// Heights of the slices' centres above the base (eq. 12). One slice is legal: it lies in the middle.

@@ -204,7 +204,7 @@ fn a_wrong_shader_is_noticed() {
     let mut gpu = gpu();
     for (module, right, wrong) in [
         ("deck", "light += source(", "light += 1.1 * source("),
-        ("deck", "1.0 - exp(-layer.extinction_per_m * share", "1.0 - exp(-0.7 * layer.extinction_per_m * share"),
+        ("deck", "1.0 - exp(-layer.extinction_per_m * (", "1.0 - exp(-0.7 * layer.extinction_per_m * ("),
         ("cull", ".a < 1.0 - OPAQUE", ".a < -1.0"),
         ("ground", "seen = lit * albedo * 0.31830987", "seen = lit * albedo * 0.36"),
         ("sky", "found.rgb * sky.table_scale", "found.rgb * sky.table_scale * 1.05"),

@@ -10,13 +10,17 @@ use crate::passes::sky::atmosphere::{Air, Luminary, MOON_LUX, SUN_LUX};
 use crate::passes::sky::table::TableParams;
 use crate::world::command::Exposure;
 use crate::world::regions::weight_at;
-use crate::world::snapshot::{LayerState, Snapshot, ViewState};
+use crate::world::snapshot::{FlashState, LayerState, Snapshot, ViewState};
 use glam::{DQuat, Vec3};
 
 /// Angular radius of the sun and, nearly, of the moon.
 const DISC_RAD: f32 = 0.004_65;
 /// Contrast of 5 % at the visibility: extinction is -ln(0.05) over it (WMO-No. 8, meteorological optical range).
 const VISIBILITY_DEPTH: f64 = 2.996;
+
+/// Share of a flash's light that the exposure answers to: a whole answer would turn the night black around it, none
+/// would leave a white picture without shape.
+const FLASH_METERED: f32 = 0.3;
 
 /// Light at one height: on a plane facing the source, and on a horizontal plane from all the rest.
 #[derive(Clone, Copy, Debug)]
@@ -93,7 +97,10 @@ impl Illuminance {
         };
         let ev = match view.exposure {
             Exposure::Ev100(ev) => ev as f32,
-            Exposure::Automatic => automatic_ev(at_eye.direct_lux.y * (0.2 + 0.8 * mu) + at_eye.diffuse_lux.y),
+            Exposure::Automatic => {
+                let steady_lux = at_eye.direct_lux.y * (0.2 + 0.8 * mu) + at_eye.diffuse_lux.y;
+                automatic_ev(steady_lux + FLASH_METERED * flash_lux(snapshot, eye))
+            }
         };
         let height_m = quantised(eye.height_m as f32);
         let scale = (1.2 * ev.exp2()).log2().round().exp2();
@@ -170,7 +177,7 @@ impl Illuminance {
     /// Light that comes up from the ground, over 4 pi, lux per colour.
     pub fn upwelling_lux(&self) -> Vec3 {
         let ground = self.ground.direct_lux * self.source.z.max(0.0) + self.ground.diffuse_lux;
-        (ground * 0.13 + Vec3::new(1.0, 0.72, 0.42) * (0.6 * self.night)) * (2.0 * 0.079_577_47)
+        (ground * 0.13 + Vec3::new(1.0, 0.72, 0.42) * (0.08 * self.night)) * (2.0 * 0.079_577_47)
     }
 }
 
@@ -235,9 +242,18 @@ fn pass_share(eye: Level, above: Level, below: Level, share: f32) -> Level {
     }
 }
 
+/// Illuminance of the eye by the flashes of the shutter interval, lux, clouds in between not counted.
+fn flash_lux(snapshot: &Snapshot, eye: &Eye) -> f32 {
+    let at = |f: &FlashState| {
+        let away = eye.place(&f.position) - Vec3::new(0.0, 0.0, eye.height_m as f32);
+        f.intensity_cd as f32 / away.length_squared().max(1e6)
+    };
+    snapshot.flashes.iter().map(at).sum()
+}
+
 /// Exposure value for an illuminance: like a camera's meter by day, lagging behind at night as eyes do.
 fn automatic_ev(lux: f32) -> f32 {
-    (14.6 + 0.88 * (lux.max(1e-6) / 1e5).log2()).clamp(-3.0, 15.5)
+    (14.6 + 0.82 * (lux.max(1e-6) / 1e5).log2()).clamp(-2.0, 15.5)
 }
 
 fn horizon(earth_m: f32, height_m: f32) -> f32 {

@@ -17,8 +17,8 @@ use glam::{DVec3, Vec2, Vec3};
 const FARTHEST_M: f64 = 300_000.0;
 /// Radius of the first ring around the eye.
 const FIRST_RING_M: f32 = 60.0;
-/// Radius of the last ring: beyond, slices are less than a pixel apart.
-const LAST_RING_M: f32 = 24_000.0;
+/// Radius of the last ring: what lies beyond is behind the haze for level rays.
+const LAST_RING_M: f32 = 150_000.0;
 
 /// How far something at a height can be seen over the curved Earth.
 pub fn extent_m(eye: &Eye, height_m: f64) -> f64 {

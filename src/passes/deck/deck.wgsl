@@ -58,7 +58,11 @@ const DETAIL_NEAR_M: f32 = 2500.0;
 const DETAIL_FAR_M: f32 = 9000.0;
 const DIFFUSE_RANGE: f32 = 5.0;
 const MOST_STEPS: u32 = 96u;
+const MOST_LOOKS: u32 = 192u;
+const HALVINGS: u32 = 10u;
+const CLEAR: f32 = -0.25;
 const RING_SHARE: f32 = 0.11;
+const RING_SLICES: f32 = 6.0;
 const PER_STERADIAN: f32 = 0.07957747;
 
 @group(1) @binding(0) var<storage, read> layer: Layer;
@@ -189,12 +193,12 @@ fn look(direction: vec3<f32>, t: f32) -> vec4<f32> {
         let moved = displacement(layer.chart[0].a, layer.chart[0].c, z);
         let tile = (layer.chart[0].tile_origin_m + moved) * (1.0 / TILE_M);
         let most = bound_at(tile) + 0.5 * layer.detail - layer.theta - shift;
-        if most < 0.0 {
+        if most < CLEAR {
             return vec4<f32>(0.0, 0.0, 0.0, most);
         }
         let place = layer.chart[0].map_origin + map_coordinates(moved);
         let raised = layer.patchiness * textureSampleLevel(map, repeated, place, 0.0).r;
-        if most < raised {
+        if most - raised < CLEAR {
             return vec4<f32>(0.0, 0.0, 0.0, most - raised);
         }
         found = volume_at(0u, vec3<f32>(tile, share)) - vec4<f32>(0.0, 0.0, 0.0, layer.theta + raised + shift);
@@ -228,10 +232,27 @@ fn source(stored: vec3<f32>, along: f32, p: vec3<f32>, height: f32) -> vec3<f32>
     return light;
 }
 
-fn ring_weight(slice_ds: f32, t: f32, distance: f32) -> f32 {
-    let ring_ds = t * RING_SHARE;
-    let finer = smoothstep(0.35, 0.65, slice_ds / (slice_ds + ring_ds));
-    return finer * (1.0 - smoothstep(0.7 * layer.ring_last_m, 0.98 * layer.ring_last_m, distance));
+// Whether rings carry the ray at a range; slabs carry what follows.
+fn carried(up: f32, flat_share: f32, t: f32) -> bool {
+    let r = camera.earth_m + camera.eye_m;
+    let sine = max(abs((r * up + t) / (camera.earth_m + height_at(up, t))), 1e-4);
+    let slice_ds = layer.spacing_m / sine;
+    return slice_ds > t * RING_SHARE + RING_SLICES * layer.spacing_m && t * flat_share < layer.ring_last_m;
+}
+
+// The range between two at which slabs take over from rings.
+fn switch_between(up: f32, flat_share: f32, near_t: f32, far_t: f32) -> f32 {
+    var near = near_t;
+    var far = far_t;
+    for (var i = 0u; i < HALVINGS; i++) {
+        let middle = 0.5 * (near + far);
+        if carried(up, flat_share, middle) {
+            near = middle;
+        } else {
+            far = middle;
+        }
+    }
+    return 0.5 * (near + far);
 }
 
 fn clamp_sum(m: f32) -> f32 {
@@ -293,31 +314,41 @@ fn deck_fragment(in: Passed) -> @location(0) vec4<f32> {
         }
         near_t = select(max(near_t, from_t), from_t, enters);
     }
-    let ds = far_t - near_t;
-    if !(ds > 0.0) {
+    if near_t >= far_t {
         return nothing;
     }
-    let middle = 0.5 * (near_t + far_t);
-    let sine = max(abs((r * up + middle) / (camera.earth_m + height_at(up, middle))), 1e-4);
-    let carried = ring_weight(layer.spacing_m / sine, middle, middle * flat_share);
-    let share = select(carried, 1.0 - carried, kind == 0u);
-    if share <= 0.0 {
+    // Rings carry the ray first, slabs the rest: the piece in which that changes is shared.
+    let slab = kind == 0u;
+    let first = carried(up, flat_share, near_t);
+    let last = carried(up, flat_share, far_t);
+    if (slab && last) || (!slab && !first) {
         return nothing;
     }
-    let least = ds * (1.0 / f32(MOST_STEPS));
+    if first && !last {
+        let switched = switch_between(up, flat_share, near_t, far_t);
+        near_t = select(near_t, switched, slab);
+        far_t = select(switched, far_t, slab);
+    }
+    let least = (far_t - near_t) * (1.0 / f32(MOST_STEPS));
     var near = look(direction, near_t);
     var at = near_t;
+    var beyond = layer.reach_m * max(-near.a, 0.0);
     var light = vec3<f32>(0.0);
     var hazed = 0.0;
     var transmittance = 1.0;
-    for (var i = 0u; i < MOST_STEPS; i++) {
+    for (var i = 0u; i < MOST_LOOKS; i++) {
         let shortest = max(layer.step_m + 0.025 * at, least);
-        let end = min(far_t, at + shortest + layer.reach_m * max(-near.a, 0.0));
+        let end = min(far_t, at + shortest + beyond);
         let far = look(direction, end);
+        // A long step that ends inside the cloud went too far: its edge is looked for.
+        if near.a < 0.0 && far.a > 0.0 && beyond > shortest {
+            beyond *= 0.4;
+            continue;
+        }
         let whole = mean_clamped(near.a * layer.inverse_edge, far.a * layer.inverse_edge);
         if whole > 0.0 {
-            let alpha = 1.0 - exp(-layer.extinction_per_m * share * (end - at) * whole);
             let t = 0.5 * (at + end);
+            let alpha = 1.0 - exp(-layer.extinction_per_m * (end - at) * whole);
             let height = height_at(up, t);
             let p = direction * t + vec3<f32>(0.0, 0.0, camera.eye_m);
             let stored = select(near.rgb, far.rgb, far.a > near.a);
@@ -326,15 +357,13 @@ fn deck_fragment(in: Passed) -> @location(0) vec4<f32> {
             light += source(stored, along, p, height) * (passed * alpha * transmittance);
             hazed += (1.0 - passed) * alpha * transmittance;
             transmittance *= 1.0 - alpha;
-            if transmittance < OPAQUE {
-                break;
-            }
+        }
+        if transmittance < OPAQUE || end >= far_t {
+            break;
         }
         near = far;
         at = end;
-        if at >= far_t {
-            break;
-        }
+        beyond = layer.reach_m * max(-near.a, 0.0);
     }
     if hazed > 0.0 {
         light += endless_air(air_along(direction)) * hazed;

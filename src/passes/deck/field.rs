@@ -48,6 +48,10 @@ impl Sample {
     }
 }
 
+/// A bound below this is not followed up by a look: no neighbour within a step is cloud, so that it matters to nobody
+/// that it is a bound and not the value.
+const CLEAR: f32 = -0.25;
+
 /// Looks a layer up at `p` (east, north, height over the tangent plane), at height `height_m` over the sphere and range
 /// `t_m` from the eye.
 pub fn sample(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_m: f32, t_m: f32) -> Sample {
@@ -70,12 +74,12 @@ pub fn sample(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_
         let moved = chart.displacement(z);
         let tile = (Vec2::from(chart.tile_origin_m) + moved) * (1.0 / density::TILE_M);
         let most = bound(textures.bounds, tile) + 0.5 * layer.detail - layer.theta - shift;
-        if bounded && most < 0.0 {
+        if bounded && most < CLEAR {
             return Sample::outside(most);
         }
         let map = Vec2::from(chart.map_origin) + modulation::coordinates(moved);
         let above = layer.patchiness * map_repeat(textures.map, modulation::WIDTH, map.x, map.y);
-        if bounded && most < above {
+        if bounded && most - above < CLEAR {
             return Sample::outside(most - above);
         }
         let at = [tile.x, tile.y, share];

@@ -141,6 +141,8 @@ pub const DOWN: u32 = 4;
 /// Share of the range at which slabs and rings carry a ray alike: where slices lie further apart along it than that,
 /// rings do.
 pub const RING_SHARE: f32 = 0.11;
+/// Slices' distances that are added to it: near the eye slabs serve all but level rays.
+pub const RING_SLICES: f32 = 6.0;
 
 /// Distance below which a flash's light no longer rises (eq. 21 is singular there), m.
 pub const FLASH_CAP_M: f32 = 200.0;

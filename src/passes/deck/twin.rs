@@ -1,9 +1,9 @@
 //! Twin of `deck.wgsl`: walks the crossings of a ray with slices and rings from near to far.
 
 use super::field::{Sample, Textures, phase, sample, source};
-use super::{Layer, RING_SHARE};
+use super::{Layer, RING_SHARE, RING_SLICES};
 use crate::clouds::slices::shells;
-use crate::passes::common::{Camera, smoothstep};
+use crate::passes::common::Camera;
 use glam::Vec3;
 
 /// Where the walk stops: what is behind adds less than this share.
@@ -91,91 +91,97 @@ impl Ray<'_> {
         if from >= to {
             return;
         }
-        self.merge(prepared, down, from, to, gathered);
+        self.pieces(prepared, down, from, to, gathered);
     }
 
-    /// Slabs between slices and between rings, from one range to another, in the order of their far ends.
-    fn merge(&self, prepared: &Prepared, down: bool, from: f32, to: f32, gathered: &mut Gathered) {
+    /// Pieces between rings as far as these carry the ray, then pieces between slices.
+    fn pieces(&self, prepared: &Prepared, down: bool, from: f32, to: f32, gathered: &mut Gathered) {
         let layer = prepared.layer;
-        let count = prepared.slices.len();
-        let slack = 1e-4 * to;
-        let slice_t = |i: usize| {
-            if i >= count {
-                return f32::INFINITY;
-            }
-            let (falling, rising) =
-                self.camera.crossings(self.direction.z, prepared.slices[if down { count - 1 - i } else { i }]);
-            let t = if down { falling } else { rising };
-            if t >= from - slack && t <= to + slack { t } else { f32::INFINITY }
-        };
-        // The first slice whose crossing lies on this leg.
-        let mut i = (0..count).find(|i| slice_t(*i).is_finite()).unwrap_or(count);
-        let ratio = layer.ring_ratio;
-        let ring_t = |k: i32| {
-            let radius = layer.ring_first_m * ratio.powi(k);
-            if radius > layer.ring_last_m * 1.0001 { f32::INFINITY } else { radius / self.flat.max(1e-4) }
-        };
-        let mut k = ((from * self.flat / layer.ring_first_m).max(1e-6).ln() / ratio.ln()).ceil().max(0.0) as i32;
-        let mut slabs = End { t: from, margin: None };
-        let mut rings = End { t: from, margin: None };
-        // What is left beyond the last ring belongs to the slabs.
-        let ring_before_end = |k: i32| if ring_t(k) < to { ring_t(k) } else { f32::INFINITY };
-        let (mut next_slice, mut next_ring) = (slice_t(i), ring_before_end(k));
-        loop {
-            if next_slice.is_infinite() && next_ring.is_infinite() {
-                break;
-            }
-            if next_slice <= next_ring {
-                self.segment(prepared, &mut slabs, next_slice, false, gathered);
-                i += 1;
-                next_slice = slice_t(i);
-            } else {
-                self.segment(prepared, &mut rings, next_ring, true, gathered);
-                k += 1;
-                next_ring = ring_before_end(k);
-            }
+        let switch = self.switch(layer, from, to);
+        let mut piece = End { t: from, found: None };
+        let flat = self.flat.max(1e-4);
+        let mut k = ((from * flat / layer.ring_first_m).max(1e-6).ln() / layer.ring_ratio.ln()).ceil().max(0.0) as i32;
+        while piece.t < switch {
+            let ring = ring_radius(layer, k).map_or(f32::INFINITY, |radius| radius / flat);
+            self.segment(prepared, &mut piece, ring.min(switch), gathered);
             if gathered.transmittance < OPAQUE {
                 return;
             }
+            k += 1;
         }
-        // From the last ring to where the ray leaves the layer.
-        self.segment(prepared, &mut rings, to, true, gathered);
+        let slices = &prepared.slices;
+        for i in 0..slices.len() {
+            let height = slices[if down { slices.len() - 1 - i } else { i }];
+            let (falling, rising) = self.camera.crossings(self.direction.z, height);
+            let t = if down { falling } else { rising };
+            // A slice that this leg does not meet is infinitely far.
+            if t.is_infinite() || t <= piece.t {
+                continue;
+            }
+            self.segment(prepared, &mut piece, t.min(to), gathered);
+            if gathered.transmittance < OPAQUE || t >= to {
+                return;
+            }
+        }
     }
 
-    /// The piece of the ray from the end of the piece before to `t`, as far as slabs or rings carry it there.
-    fn segment(&self, prepared: &Prepared, before: &mut End, t: f32, ring: bool, gathered: &mut Gathered) {
+    /// Range up to which rings carry this leg of the ray; slabs carry the rest.
+    fn switch(&self, layer: &Layer, from: f32, to: f32) -> f32 {
+        if !self.carried(layer, from) {
+            return from;
+        }
+        if self.carried(layer, to) {
+            return to;
+        }
+        let (mut near, mut far) = (from, to);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (near + far);
+            if self.carried(layer, middle) { near = middle } else { far = middle }
+        }
+        0.5 * (near + far)
+    }
+
+    /// The piece of the ray from the end of the piece before to `t`.
+    fn segment(&self, prepared: &Prepared, piece: &mut End, t: f32, gathered: &mut Gathered) {
         let layer = prepared.layer;
-        let ds = t - before.t;
-        let middle = 0.5 * (t + before.t);
-        let height = self.camera.height_at(self.direction.z, middle);
-        let r = self.camera.earth_m;
-        let sine = (((r + self.camera.eye_m) * self.direction.z + middle) / (r + height)).abs().max(1e-4);
-        let carried = ring_weight(layer, layer.spacing_m / sine, middle, middle * self.flat);
-        let share = if ring { carried } else { 1.0 - carried };
-        let start = std::mem::replace(before, End { t, margin: None });
-        if share <= 0.0 || ds <= 0.0 {
+        let ds = t - piece.t;
+        if ds <= 0.0 {
             return;
         }
-        let mut near = start.margin.unwrap_or_else(|| self.look(prepared, start.t));
-        let mut at = start.t;
-        for _ in 0..MOST_STEPS {
-            let end = t.min(at + step(layer, &near, at, ds));
+        let mut near = piece.found.take().unwrap_or_else(|| self.look(prepared, piece.t));
+        let mut at = piece.t;
+        let mut beyond = layer.reach_m * (-near.margin).max(0.0);
+        for _ in 0..MOST_LOOKS {
+            let shortest = shortest_step(layer, at, ds);
+            let end = t.min(at + shortest + beyond);
             let far = self.look(prepared, end);
+            // A long step that ends inside the cloud went too far: its edge is looked for.
+            if near.margin < 0.0 && far.margin > 0.0 && beyond > shortest {
+                beyond *= 0.4;
+                continue;
+            }
             let whole = mean_clamped(near.margin * layer.inverse_edge, far.margin * layer.inverse_edge);
             if whole > 0.0 {
                 let deeper = if far.margin > near.margin { &far } else { &near };
                 let light = deeper.light(&prepared.textures);
-                self.gather(prepared, 0.5 * (at + end), share * (end - at) * whole, light, gathered);
-                if gathered.transmittance < OPAQUE {
-                    break;
-                }
+                self.gather(prepared, 0.5 * (at + end), (end - at) * whole, light, gathered);
             }
-            (near, at) = (far, end);
-            if at >= t {
+            near = far;
+            if gathered.transmittance < OPAQUE || end >= t {
                 break;
             }
+            at = end;
+            beyond = layer.reach_m * (-near.margin).max(0.0);
         }
-        before.margin = Some(near);
+        *piece = End { t, found: Some(near) };
+    }
+
+    /// Whether rings carry the ray at a range.
+    fn carried(&self, layer: &Layer, t: f32) -> bool {
+        let height = self.camera.height_at(self.direction.z, t);
+        let r = self.camera.earth_m;
+        let sine = (((r + self.camera.eye_m) * self.direction.z + t) / (r + height)).abs().max(1e-4);
+        rings_carry(layer, layer.spacing_m / sine, t, t * self.flat)
     }
 
     fn look(&self, prepared: &Prepared, t: f32) -> Sample {
@@ -200,18 +206,28 @@ impl Ray<'_> {
 
 /// Steps that a piece of the ray is cut into at most.
 const MOST_STEPS: u32 = 96;
+/// Looks at most, with those that went too far.
+const MOST_LOOKS: u32 = 2 * MOST_STEPS;
 
-/// Step from a look: short at the cloud's edge and inside, growing with the range as pixels do; outside as far as the
-/// cloud is certain not to reach. Never less than the share of the piece that lets it end within [`MOST_STEPS`].
-fn step(layer: &Layer, look: &Sample, t: f32, ds: f32) -> f32 {
-    let shortest = (layer.step_m + 0.025 * t).max(ds * (1.0 / MOST_STEPS as f32));
-    shortest + layer.reach_m * (-look.margin).max(0.0)
+/// Step at the cloud's edge and inside: it grows with the range, as pixels do, and is never less than the share of the
+/// piece that lets it end within [`MOST_STEPS`]. Outside, as far as the cloud is certain not to reach is added.
+fn shortest_step(layer: &Layer, t: f32, ds: f32) -> f32 {
+    (layer.step_m + 0.025 * t).max(ds * (1.0 / MOST_STEPS as f32))
 }
+
+/// Radius of ring `k`; the last one lies at the layer's `ring_last_m`.
+pub fn ring_radius(layer: &Layer, k: i32) -> Option<f32> {
+    let radius = |k: i32| layer.ring_first_m * layer.ring_ratio.powi(k);
+    (k == 0 || radius(k - 1) < layer.ring_last_m).then(|| radius(k).min(layer.ring_last_m))
+}
+
+/// Halvings by which the range is found at which slabs take over from rings.
+const HALVINGS: u32 = 10;
 
 /// Where a piece of the ray ended, and what was found there.
 struct End {
     t: f32,
-    margin: Option<Sample>,
+    found: Option<Sample>,
 }
 
 /// Mean of clamp(m, 0, 1) while m runs evenly from `a` to `b` (pre-integration: a slab that cloud enters half-way
@@ -225,10 +241,8 @@ pub fn mean_clamped(a: f32, b: f32) -> f32 {
     if (b - a).abs() < 1e-4 { (0.5 * (a + b)).clamp(0.0, 1.0) } else { (sum(b) - sum(a)) / (b - a) }
 }
 
-/// Share of the ray that rings carry: all where they are the finer sampling, none where slices are, and none beyond the
-/// last ring.
-pub fn ring_weight(layer: &Layer, slice_ds: f32, t: f32, distance: f32) -> f32 {
-    let ring_ds = t * RING_SHARE;
-    let finer = smoothstep(0.35, 0.65, slice_ds / (slice_ds + ring_ds));
-    finer * (1.0 - smoothstep(0.7 * layer.ring_last_m, 0.98 * layer.ring_last_m, distance))
+/// Whether rings carry a ray at range `t` and horizontal distance `distance`, where it meets a slice every `slice_ds`:
+/// where that is long against the range. Along a ray rings come first, then slabs.
+pub fn rings_carry(layer: &Layer, slice_ds: f32, t: f32, distance: f32) -> bool {
+    slice_ds > t * RING_SHARE + RING_SLICES * layer.spacing_m && distance < layer.ring_last_m
 }

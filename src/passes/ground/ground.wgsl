@@ -74,7 +74,7 @@ fn ground_luminance(direction: vec3<f32>, t: f32, passed: f32) -> vec3<f32> {
     let fresnel = 0.02 + 0.6 * pow(1.0 - facing, 5.0);
     let middle = ground.light_direction - direction;
     let half_way = middle / max(length(middle), 1e-6);
-    let glitter = pow(max(dot(half_way, normal), 0.0), 220.0) * 12.0 * passed * fresnel;
+    let glitter = pow(max(dot(half_way, normal), 0.0), 220.0) * 2.5 * passed * fresnel;
     seen += (ground.sky_lux * (0.31830987 * fresnel) + ground.light_lux * glitter) * sea;
     let towns = smoothstep(0.86, 0.97, pattern(9.0, 0.29)) * (1.0 - sea) * (0.35 + 0.65 * pattern(60.0, 0.71));
     return seen + vec3<f32>(1.0, 0.72, 0.42) * (ground.city_luminance * towns);

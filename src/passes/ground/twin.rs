@@ -57,7 +57,7 @@ pub fn luminance(ground: &Ground, map: &[u8], camera: &Camera, direction: Vec3, 
     let facing = (-direction.dot(normal)).clamp(0.0, 1.0);
     let fresnel = 0.02 + 0.6 * (1.0 - facing).powi(5);
     let half = (light - direction).normalize_or(Vec3::Z);
-    let glitter = half.dot(normal).max(0.0).powi(220) * 12.0 * passed * fresnel;
+    let glitter = half.dot(normal).max(0.0).powi(220) * 2.5 * passed * fresnel;
     let mirrored =
         Vec3::from(ground.sky_lux) * (std::f32::consts::FRAC_1_PI * fresnel) + Vec3::from(ground.light_lux) * glitter;
     seen += mirrored * sea;
