@@ -268,40 +268,30 @@ fn mean_clamped(a: f32, b: f32) -> f32 {
     return (clamp_sum(b) - clamp_sum(a)) / (b - a);
 }
 
-@fragment
-fn deck_fragment(in: Passed) -> @location(0) vec4<f32> {
-    let nothing = vec4<f32>(0.0);
-    let direction = ray_of(in.position.xy);
-    let up = direction.z;
-    let flat_share = sqrt(max(1.0 - up * up, 0.0));
+// The piece of the pixel's ray that an instance stands for, as ranges; empty (far before near) where there is none.
+fn piece_of(kind_bits: u32, shells: vec4<f32>, up: f32, flat_share: f32) -> vec2<f32> {
     let r = camera.earth_m + camera.eye_m;
     let lowest_t = max(-r * up, 0.0);
-    let kind = in.kind & 3u;
+    let kind = kind_bits & 3u;
     let ring = kind == 2u;
-    var falling = (in.kind & 4u) != 0u;
-    var far_t = in.shells.w / max(flat_share, 1e-4);
+    let slab = kind == 0u;
+    var falling = (kind_bits & 4u) != 0u;
+    var far_t = shells.w / max(flat_share, 1e-4);
     if ring {
         falling = far_t < lowest_t;
     } else {
-        let t = crossings(up, in.shells.y);
+        let t = crossings(up, shells.y);
         far_t = select(t.y, t.x, falling);
     }
-    if far_t >= FAR || (falling && up >= 0.0) {
-        return nothing;
-    }
-    // Only falling rays meet the ground.
-    if up < 0.0 && far_t > crossings(up, 0.0).x {
-        return nothing;
-    }
-    var near_t = in.shells.z / max(flat_share, 1e-4);
+    var near_t = shells.z / max(flat_share, 1e-4);
     var enters = false;
-    if kind == 0u {
-        let t = crossings(up, in.shells.x);
+    if slab {
+        let t = crossings(up, shells.x);
         near_t = select(t.y, t.x, falling);
         enters = near_t >= FAR;
     }
     // Rings, and the first slab, begin no sooner than the ray enters the layer on this leg.
-    if kind != 0u || enters {
+    if !slab || enters {
         var from_t = 0.0;
         if falling {
             let top = layer.base_m + layer.thickness_m;
@@ -314,56 +304,70 @@ fn deck_fragment(in: Passed) -> @location(0) vec4<f32> {
         }
         near_t = select(max(near_t, from_t), from_t, enters);
     }
-    if near_t >= far_t {
-        return nothing;
+    // Not met at all; falling though the ray rises; behind the ground, which only falling rays meet.
+    let missed = far_t >= FAR || near_t >= far_t || (falling && up >= 0.0)
+        || (up < 0.0 && far_t > crossings(up, 0.0).x);
+    if missed {
+        return vec2<f32>(0.0, -1.0);
     }
     // Rings carry the ray first, slabs the rest: the piece in which that changes is shared.
-    let slab = kind == 0u;
     let first = carried(up, flat_share, near_t);
     let last = carried(up, flat_share, far_t);
     if (slab && last) || (!slab && !first) {
-        return nothing;
+        return vec2<f32>(0.0, -1.0);
     }
     if first && !last {
         let switched = switch_between(up, flat_share, near_t, far_t);
-        near_t = select(near_t, switched, slab);
-        far_t = select(switched, far_t, slab);
+        return vec2<f32>(select(near_t, switched, slab), select(switched, far_t, slab));
     }
-    let least = (far_t - near_t) * (1.0 / f32(MOST_STEPS));
-    var near = look(direction, near_t);
-    var at = near_t;
+    return vec2<f32>(near_t, far_t);
+}
+
+@fragment
+fn deck_fragment(in: Passed) -> @location(0) vec4<f32> {
+    let direction = ray_of(in.position.xy);
+    let up = direction.z;
+    let flat_share = sqrt(max(1.0 - up * up, 0.0));
+    let piece = piece_of(in.kind, in.shells, up, flat_share);
+    let far_t = piece.y;
+    let least = (far_t - piece.x) * (1.0 / f32(MOST_STEPS));
+    // No return stands before the loop: lavapipe lets a loop run to its end for pixels that have returned.
+    var going = far_t > piece.x;
+    var at = piece.x;
+    var near = vec4<f32>(0.0, 0.0, 0.0, -1.0);
+    if going {
+        near = look(direction, at);
+    }
     var beyond = layer.reach_m * max(-near.a, 0.0);
     var light = vec3<f32>(0.0);
     var hazed = 0.0;
     var transmittance = 1.0;
-    for (var i = 0u; i < MOST_LOOKS; i++) {
+    for (var i = 0u; going && i < MOST_LOOKS; i++) {
         let shortest = max(layer.step_m + 0.025 * at, least);
         let end = min(far_t, at + shortest + beyond);
         let far = look(direction, end);
-        // A long step that ends inside the cloud went too far: its edge is looked for.
         if near.a < 0.0 && far.a > 0.0 && beyond > shortest {
+            // A long step that ends inside the cloud went too far: its edge is looked for.
             beyond *= 0.4;
-            continue;
+        } else {
+            let whole = mean_clamped(near.a * layer.inverse_edge, far.a * layer.inverse_edge);
+            if whole > 0.0 {
+                let t = 0.5 * (at + end);
+                let alpha = 1.0 - exp(-layer.extinction_per_m * (end - at) * whole);
+                let height = height_at(up, t);
+                let p = direction * t + vec3<f32>(0.0, 0.0, camera.eye_m);
+                let stored = select(near.rgb, far.rgb, far.a > near.a);
+                let passed = air_transmittance(height, t);
+                let along = phase(dot(direction, layer.light_direction));
+                light += source(stored, along, p, height) * (passed * alpha * transmittance);
+                hazed += (1.0 - passed) * alpha * transmittance;
+                transmittance *= 1.0 - alpha;
+            }
+            going = transmittance >= OPAQUE && end < far_t;
+            near = far;
+            at = end;
+            beyond = layer.reach_m * max(-near.a, 0.0);
         }
-        let whole = mean_clamped(near.a * layer.inverse_edge, far.a * layer.inverse_edge);
-        if whole > 0.0 {
-            let t = 0.5 * (at + end);
-            let alpha = 1.0 - exp(-layer.extinction_per_m * (end - at) * whole);
-            let height = height_at(up, t);
-            let p = direction * t + vec3<f32>(0.0, 0.0, camera.eye_m);
-            let stored = select(near.rgb, far.rgb, far.a > near.a);
-            let passed = air_transmittance(height, t);
-            let along = phase(dot(direction, layer.light_direction));
-            light += source(stored, along, p, height) * (passed * alpha * transmittance);
-            hazed += (1.0 - passed) * alpha * transmittance;
-            transmittance *= 1.0 - alpha;
-        }
-        if transmittance < OPAQUE || end >= far_t {
-            break;
-        }
-        near = far;
-        at = end;
-        beyond = layer.reach_m * max(-near.a, 0.0);
     }
     if hazed > 0.0 {
         light += endless_air(air_along(direction)) * hazed;
