@@ -6,6 +6,9 @@ use super::textures::empty;
 use crate::clouds::density::{HEIGHT, WIDTH};
 use crate::passes::light::Light;
 
+/// Format of a light volume (16 MiB each).
+pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
 /// Bytes between two slices' numbers in their uniform buffer (the least offset that WebGPU guarantees).
 const STRIDE: u64 = 256;
 
@@ -50,7 +53,7 @@ pub fn compute(
     use wgpu::TextureUsages as Usage;
     let size = [WIDTH as u32, WIDTH as u32, HEIGHT as u32];
     let usage = Usage::STORAGE_BINDING | Usage::TEXTURE_BINDING | Usage::COPY_SRC;
-    let volume = empty(gpu, "light volume", wgpu::TextureFormat::Rgba8Unorm, size, usage);
+    let volume = empty(gpu, "light volume", FORMAT, size, usage);
     let view = volume.create_view(&wgpu::TextureViewDescriptor::default());
     let uniform = gpu.buffer("light", bytemuck::bytes_of(params), wgpu::BufferUsages::STORAGE);
     let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };

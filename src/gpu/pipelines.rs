@@ -179,7 +179,7 @@ impl Layouts {
                     storage,
                     wgpu::BindingType::StorageTexture {
                         access: wgpu::StorageTextureAccess::WriteOnly,
-                        format: wgpu::TextureFormat::Rgba8Unorm,
+                        format: super::light::FORMAT,
                         view_dimension: D3,
                     },
                 ],

@@ -11,7 +11,7 @@ use crate::passes::light::Light;
 use crate::passes::sky::table::{self, TableParams};
 use std::collections::VecDeque;
 
-/// Light volumes kept at once (8 MiB each), or as many as one picture needs.
+/// Light volumes kept at once (16 MiB each), or as many as one picture needs.
 pub const VOLUMES_KEPT: usize = 16;
 
 /// A genus's shape values and their bounds by column.

@@ -262,7 +262,7 @@ fn broken(gpu: &GpuExecutor, module: &'static str, right: &str, wrong: &str) -> 
 }
 
 fn read_volume(gpu: &GpuExecutor, texture: &wgpu::Texture) -> Vec<u8> {
-    let size = (WIDTH * WIDTH * HEIGHT * 4) as u64;
+    let size = (WIDTH * WIDTH * HEIGHT * 8) as u64;
     let buffer = gpu.gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: None,
         size,
@@ -272,7 +272,7 @@ fn read_volume(gpu: &GpuExecutor, texture: &wgpu::Texture) -> Vec<u8> {
     let mut encoder = gpu.gpu.device.create_command_encoder(&Default::default());
     let layout = wgpu::TexelCopyBufferLayout {
         offset: 0,
-        bytes_per_row: Some(4 * WIDTH as u32),
+        bytes_per_row: Some(8 * WIDTH as u32),
         rows_per_image: Some(WIDTH as u32),
     };
     let to = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
@@ -280,7 +280,9 @@ fn read_volume(gpu: &GpuExecutor, texture: &wgpu::Texture) -> Vec<u8> {
     gpu.gpu.queue.submit([encoder.finish()]);
     buffer.map_async(wgpu::MapMode::Read, .., |_| ());
     gpu.gpu.device.poll(wgpu::PollType::Wait { submission_index: None, timeout: None }).expect("polled");
-    buffer.get_mapped_range(..).expect("mapped").to_vec()
+    let mapped = buffer.get_mapped_range(..).expect("mapped");
+    // Stored in f16, rounded to codes of 8 bits.
+    mapped.chunks_exact(2).map(|b| (half::f16::from_le_bytes([b[0], b[1]]).to_f32() * 255.0).round() as u8).collect()
 }
 
 /// Share of codes by which tone mapping and its twin differ by more than one.

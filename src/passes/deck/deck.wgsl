@@ -356,7 +356,8 @@ fn deck_fragment(in: Passed) -> @location(0) vec4<f32> {
                 let alpha = 1.0 - exp(-layer.extinction_per_m * (end - at) * whole);
                 let height = height_at(up, t);
                 let p = direction * t + vec3<f32>(0.0, 0.0, camera.eye_m);
-                let stored = select(near.rgb, far.rgb, far.a > near.a);
+                let weights = max(vec2<f32>(near.a, far.a), vec2<f32>(0.0));
+                let stored = (near.rgb * weights.x + far.rgb * weights.y) / (weights.x + weights.y);
                 let passed = air_transmittance(height, t);
                 let along = phase(dot(direction, layer.light_direction));
                 light += source(stored, along, p, height) * (passed * alpha * transmittance);

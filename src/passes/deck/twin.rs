@@ -162,8 +162,12 @@ impl Ray<'_> {
             }
             let whole = mean_clamped(near.margin * layer.inverse_edge, far.margin * layer.inverse_edge);
             if whole > 0.0 {
-                let deeper = if far.margin > near.margin { &far } else { &near };
-                let light = deeper.light(&prepared.textures);
+                // Of the two ends, each by how deep it lies in the cloud.
+                let (a, b) = (near.margin.max(0.0), far.margin.max(0.0));
+                let end_light = |end: &Sample, weight: f32| {
+                    if weight > 0.0 { end.light(&prepared.textures) * (weight / (a + b)) } else { Vec3::ZERO }
+                };
+                let light = end_light(&near, a) + end_light(&far, b);
                 self.gather(prepared, 0.5 * (at + end), (end - at) * whole, light, gathered);
             }
             near = far;
