@@ -12,8 +12,8 @@ use crate::passes::deck::sector::sector;
 use crate::plan::{FramePlan, LayerPlan, Output};
 use std::ops::Range;
 
-/// Batches that the deck is drawn in, with an occlusion pass after each.
-const BATCHES: u32 = 8;
+/// Instances of the first batch: after each batch comes an occlusion pass, and what is nearest hides most.
+const FIRST_BATCH: u32 = 2;
 
 /// One layer ready to be drawn.
 struct Deck {
@@ -169,17 +169,16 @@ fn deck(
     Deck { variant, group, instances, vertices: 2 * (steps + 1) }
 }
 
-/// Cuts the draws into batches of about equal numbers of instances.
+/// Cuts the draws into batches, each half as large again as the one before.
 fn batches(draws: &[Draw]) -> Vec<Vec<Draw>> {
-    let total: u32 = draws.iter().map(|d| d.instances.len() as u32).sum();
-    let most = total.div_ceil(BATCHES).max(1);
-    let (mut batches, mut room) = (Vec::new(), 0);
+    let (mut batches, mut size, mut room) = (Vec::new(), FIRST_BATCH, 0);
     for draw in draws {
         let mut rest = draw.instances.clone();
         while !rest.is_empty() {
             if room == 0 {
                 batches.push(Vec::new());
-                room = most;
+                room = size;
+                size += size.div_ceil(2);
             }
             let end = rest.end.min(rest.start + room);
             room -= end - rest.start;
