@@ -16,7 +16,6 @@ pub mod outputs;
 pub mod passes;
 pub mod plan;
 pub mod reference;
-pub mod report;
 pub mod serve;
 pub mod settings;
 pub mod units;

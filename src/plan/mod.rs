@@ -87,6 +87,7 @@ pub fn plan(snapshot: &Snapshot, view: &ViewState, output: Output) -> FramePlan 
     let tonemap = output == Output::Srgb8;
     let why = if tonemap { "the picture is for a screen" } else { "linear luminance was asked for" };
     notes.push(PassNote { pass: "tonemap", kept: tonemap, why: why.into() });
+    let deck_scale = deck_scale(snapshot.quality.deck_scale, eye.height_m as f32, &layers, &mut notes);
     FramePlan {
         size_px: view.size_px,
         output,
@@ -94,13 +95,26 @@ pub fn plan(snapshot: &Snapshot, view: &ViewState, output: Output) -> FramePlan 
         sky: light.sky(&eye),
         table: light.table,
         ground,
-        deck_scale: snapshot.quality.deck_scale.max(1),
+        deck_scale,
         layers,
         notes,
     }
 }
 
+/// Pixels of the picture each way to one of the deck. Between a layer's base and top, where every ray runs through it and
+/// what is near is soft, a deck that is coarser than the picture is coarsened by one more; a deck at full size stays so.
+fn deck_scale(asked: u32, eye_m: f32, layers: &[LayerPlan], notes: &mut Vec<PassNote>) -> u32 {
+    let inside = |l: &LayerPlan| l.layer.base_m < eye_m && eye_m < l.layer.base_m + l.layer.thickness_m;
+    if asked > 1 && layers.iter().any(inside) {
+        let why = format!("one pixel for {0} x {0} of the picture, since the eye is inside a layer", asked + 1);
+        notes.push(PassNote { pass: "deck", kept: true, why });
+        return asked + 1;
+    }
+    asked.max(1)
+}
+
 #[cfg(test)]
 pub(crate) mod scenes;
+
 #[cfg(test)]
 mod tests;

@@ -139,7 +139,7 @@ pub struct Quality {
     /// Slices per cloud layer, 1 to 128 (deck paper eq. 12, N).
     pub slices: u32,
     /// Pixels of the picture each way to one of the deck, 1 to 4: 2 quarters the deck's cost and softens its edges by a
-    /// pixel.
+    /// pixel (and 3 is taken for it while the eye is inside a layer).
     pub deck_scale: u32,
     /// Ratio between the radii of neighbouring billboard rings (LOD0), above 1; nearer 1 is finer.
     pub ring_ratio: f64,

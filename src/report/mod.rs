@@ -1,1 +1,0 @@
-//! Error against run time.
