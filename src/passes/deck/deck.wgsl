@@ -300,7 +300,14 @@ fn piece_of(kind_bits: u32, shells: vec4<f32>, up: f32, flat_share: f32) -> vec2
             }
         } else {
             let begin = crossings(up, layer.base_m).y;
-            from_t = select(lowest_t, begin, begin < FAR && (camera.eye_m < layer.base_m || up < 0.0));
+            if begin < FAR && (camera.eye_m < layer.base_m || up < 0.0) {
+                from_t = begin;
+            } else if slab {
+                from_t = lowest_t;
+            } else if camera.eye_m > layer.base_m + layer.thickness_m {
+                // A ring's piece may hold the point where the ray turns inside the layer.
+                from_t = crossings(up, layer.base_m + layer.thickness_m).x;
+            }
         }
         near_t = select(max(near_t, from_t), from_t, enters);
     }
