@@ -14,7 +14,8 @@ pub fn heights(slices: u32, thickness_m: f32) -> Vec<f32> {
     }
 }
 
-/// Slices that share one instance: the shader walks through them, so that a ray's crossings are found once for all.
+/// Slices that share one instance. Between their shells a ray is walked in steps whose length follows the distance to
+/// the cloud's edge and not the slices themselves; the number of slices sets the shells and the shortest step.
 pub const GROUP: u32 = 8;
 
 /// Heights of the shells between groups of slices above the base: the lowest and the highest slice and those between

@@ -192,8 +192,9 @@ fn the_deck_equals_its_twin() {
     for (name, scene) in scenes {
         let (mean, beyond) = compare(name, &mut gpu, scene);
         // A step's length follows the look before it, so rounding and 8-bit filtering move later looks: at silhouettes
-        // that decides whether a thin edge is met. The mean stays below one per cent.
-        assert!(mean < 0.01, "{name}: {mean}");
+        // that decides whether a thin edge is met. The mean was 0.31 % at most; occlusion that
+        // hides a fifth of the light too early moves it by 0.58 %.
+        assert!(mean < 0.005, "{name}: {mean}");
         assert!(beyond < 0.04, "{name}: {beyond}");
     }
 }

@@ -1,7 +1,7 @@
 //! The air: extinction of sunlight on its way and light scattered towards the eye, single scattering plus an isotropic
 //! share for the higher orders.
 //!
-//! Coefficients at sea level after Bucholtz 1995 (molecules) and Hillaire 2020, table 1 (ozone); scale heights 8 and
+//! Coefficients at sea level after Hillaire 2020, table 1 (molecules and ozone); scale heights 8 and
 //! 1.2 km. Three wavelengths stand for red, green and blue; illuminance outside the air is 128 klx.
 
 use crate::passes::common::{AIR_SCALE_M, HAZE_SCALE_M};
@@ -79,8 +79,8 @@ impl Air {
                 let cos = direction.dot(l.direction);
                 let single =
                     rayleigh * (0.059_683 * (1.0 + cos * cos)) + Vec3::splat(HAZE_ALBEDO * haze * haze_phase(cos));
-                // Higher orders: nearly isotropic; their share of the single one was set so that the clear noon zenith
-                // has about 4 kcd/m2 and the horizon about 10.
+                // Higher orders: nearly isotropic; their share of the single one was chosen by
+                // eye and is not calibrated against measured luminances.
                 let dusk = self.transmittance(height + 4_000.0, up.max(-0.06) + 0.06) * l.illuminance_lux;
                 let fade = ((up + 0.30) / 0.36).clamp(0.0, 1.0).powi(4);
                 source += lit * single + dusk * fade * (rayleigh + Vec3::splat(HAZE_ALBEDO * haze)) * 0.045;
