@@ -13,6 +13,8 @@ mod harness;
 mod access;
 #[path = "server/answers.rs"]
 mod answers;
+#[path = "server/every_field/mod.rs"]
+mod every_field;
 #[path = "server/faults.rs"]
 mod faults;
 #[path = "server/frames.rs"]

@@ -71,12 +71,6 @@ impl Curvature {
     pub fn mean_m(&self) -> f64 {
         (self.meridian_m * self.prime_vertical_m).sqrt()
     }
-
-    /// The radius in one direction, clockwise from north (Euler's formula).
-    pub fn towards_m(&self, azimuth_rad: f64) -> f64 {
-        let (east, north) = azimuth_rad.sin_cos();
-        1.0 / (north * north / self.meridian_m + east * east / self.prime_vertical_m)
-    }
 }
 
 #[cfg(test)]
@@ -142,8 +136,6 @@ mod tests {
         assert!((equator.meridian_m - b * b / a).abs() < 1e-6 && (equator.prime_vertical_m - a).abs() < 1e-6);
         let pole = Curvature::at(std::f64::consts::FRAC_PI_2);
         assert!((pole.meridian_m - a * a / b).abs() < 1e-6 && (pole.prime_vertical_m - a * a / b).abs() < 1e-6);
-        assert!((equator.towards_m(0.0) - equator.meridian_m).abs() < 1e-6);
-        assert!((equator.towards_m(std::f64::consts::FRAC_PI_2) - a).abs() < 1e-6);
         assert!(equator.meridian_m < equator.mean_m() && equator.mean_m() < a);
     }
 }

@@ -273,6 +273,7 @@ impl WorldTask {
         let timeline = self.world.timeline();
         Player {
             scenario: timeline.map(|timeline| timeline.name.clone()),
+            description: timeline.map(|timeline| timeline.description.clone()).filter(|text| !text.is_empty()),
             playing: self.world.playing() && !self.lockstep,
             speed: self.world.speed(),
             duration_s: timeline.map(|timeline| timeline.duration_s),

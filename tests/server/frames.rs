@@ -76,7 +76,7 @@ async fn nothing_changed_gives_the_same_picture_under_a_new_number_and_draws_not
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn each_client_gets_its_own_rate() {
+pub async fn each_client_gets_its_own_rate() {
     let server = Server::start().await;
     let mut host = server.host().await;
     host.subscribe("main", "raw").await;
@@ -152,7 +152,7 @@ async fn a_client_that_never_reads_harms_nobody() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn a_client_that_asked_for_it_is_disconnected_when_slow() {
+pub async fn a_client_that_asked_for_it_is_disconnected_when_slow() {
     let server = Server::start().await;
     let mut host = server.host().await;
     host.acked(json!({"type": "view", "action": "change", "name": "main", "size_px": [1024, 1024]})).await;

@@ -65,7 +65,7 @@ pub enum Message {
 pub struct Hello {
     /// Role wanted.
     pub role: Role,
-    /// Name for the log and the statistics.
+    /// Name for the log, and for those who are refused because it holds the host role.
     pub name: Option<String>,
     /// Takes the host role from its holder, where the server's settings allow it.
     pub take_over: bool,

@@ -15,7 +15,7 @@ pub struct HelloMessage {
     pub protocol: String,
     /// Role wanted.
     pub role: Role,
-    /// Name for the log and the statistics.
+    /// Name for the log, and for those who are refused because it holds the host role.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = limits::NAME_LENGTH.min, max = limits::NAME_LENGTH.max))]
     pub name: Option<String>,

@@ -165,6 +165,9 @@ pub struct SkyOut {
 pub struct Player {
     /// Name of the scenario loaded.
     pub scenario: Option<String>,
+    /// What its author says about it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub description: Option<String>,
     /// Whether time runs.
     pub playing: bool,
     /// Seconds of simulation per second of wall clock.

@@ -109,7 +109,13 @@ fn every_part_of_a_snapshot_is_in_the_state_message() {
         change(&mut snapshot);
         assert_ne!(message(&snapshot), plain, "{what}");
     }
-    let player = Player { scenario: Some("a".into()), playing: true, speed: 2.0, duration_s: Some(3.0) };
+    let player = Player {
+        scenario: Some("a".into()),
+        description: Some("b".into()),
+        playing: true,
+        speed: 2.0,
+        duration_s: Some(3.0),
+    };
     assert_ne!(StateMessage::new(Some(1), &example(), player), plain);
     assert_ne!(StateMessage::new(None, &example(), Player::default()), plain);
 }
