@@ -1,4 +1,5 @@
-//! Mathematics that knows no weather: seeded random numbers and periodic noise.
+//! Mathematics that knows no weather: seeded random numbers, periodic noise, directions on the sphere.
 
 pub mod hash;
 pub mod noise;
+pub mod sphere;
