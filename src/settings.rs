@@ -52,6 +52,8 @@ pub struct Settings {
     pub queue_frames: u32,
     /// Commands that wait for the world.
     pub queue_commands: u32,
+    /// MiB that the pictures of lockstep steps may hold until they are written; further steps wait for room.
+    pub step_memory_mib: u32,
     /// Seconds after which a client that takes no bytes is cut off.
     pub slow_client_s: f64,
     /// What is logged, as `tracing` filters say it: `info`, `stormdeck=debug`.
@@ -122,6 +124,9 @@ struct SettingsFile {
     /// Commands that wait for the world.
     #[schemars(range(min = limits::QUEUE_COMMANDS.min, max = limits::QUEUE_COMMANDS.max))]
     queue_commands: u32,
+    /// MiB that the pictures of lockstep steps may hold until they are written; further steps wait for room.
+    #[schemars(range(min = limits::STEP_MEMORY_MIB.min, max = limits::STEP_MEMORY_MIB.max))]
+    step_memory_mib: u32,
     /// Seconds after which a client that takes no bytes is cut off.
     #[schemars(range(min = limits::SLOW_CLIENT_S.min, max = limits::SLOW_CLIENT_S.max))]
     slow_client_s: f64,
@@ -216,6 +221,7 @@ impl Settings {
             scenario_folder: file.scenario_folder.into(),
             queue_frames: file.queue_frames,
             queue_commands: file.queue_commands,
+            step_memory_mib: file.step_memory_mib,
             slow_client_s: file.slow_client_s,
             log: file.log,
         };

@@ -122,5 +122,6 @@ async fn websocket(
 
 async fn metrics(State(app): State<Arc<App>>) -> Response {
     app.metrics.queued.store(app.hub.queued_frames() as u64, Relaxed);
+    app.metrics.step_bytes.store(app.hub.step_bytes(), Relaxed);
     ([(header::CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")], app.metrics.text()).into_response()
 }

@@ -42,7 +42,7 @@ pub(super) async fn serve(app: Arc<App>, socket: WebSocket, from: SocketAddr, tr
     tracing::info!(client = client.id, %from, "client connected");
     let mut session = Session::new(Arc::clone(&app), Arc::clone(&client), trusted);
     let why = read(&app, &mut session, stream, &ended).await;
-    let was_host = session.end();
+    let was_host = session.end().await;
     app.hub.leave(&client);
     let read = session.messages();
     let clients = app.metrics.clients.load(Relaxed);
@@ -85,12 +85,12 @@ async fn read(
             }
             message = next => message,
         };
-        let text = match message {
+        let message = match message {
             None => return "it went away",
             Some(Ok(Message::Close(_))) => return "it said goodbye",
-            Some(Ok(Message::Ping(_) | Message::Pong(_))) => continue,
-            Some(Ok(Message::Text(text))) => Some(text),
-            Some(Ok(Message::Binary(_))) => None,
+            Some(Ok(message @ (Message::Text(_) | Message::Binary(_) | Message::Ping(_) | Message::Pong(_)))) => {
+                message
+            }
             Some(Err(error)) => {
                 let (code, why) = judge(&error);
                 client.queue.close_with(code, why);
@@ -112,10 +112,15 @@ async fn read(
                 continue;
             }
         }
-        let Some(text) = text else {
-            let refused = Refused::new("message", "binary", "text", "control messages are JSON texts");
-            refuse(app, &client, None, refused, 0);
-            continue;
+        let text = match message {
+            Message::Text(text) => text,
+            // The socket answers pings by itself; here they only count.
+            Message::Ping(_) | Message::Pong(_) | Message::Close(_) => continue,
+            Message::Binary(_) => {
+                let refused = Refused::new("message", "binary", "text", "control messages are JSON texts");
+                refuse(app, &client, None, refused, 0);
+                continue;
+            }
         };
         if let Verdict::End(why) = session.handle(&text).await {
             client.queue.close_with(POLICY, why);

@@ -3,7 +3,7 @@
 use super::app::App;
 use super::client_task::refuse;
 use super::hub::Client;
-use super::roles::Claim;
+use super::roles::{Claim, ClientId};
 use super::statistics;
 use super::step::{Outcome, StepFrame};
 use super::world_task::{Request, State};
@@ -15,6 +15,7 @@ use crate::wire::control::{self, Hello, Message, Query, Role, Subscription};
 use crate::wire::limits;
 use crate::world::command::Command;
 use crate::world::event::{Applied, Refused};
+use crate::world::snapshot::Snapshot;
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 use tokio::sync::oneshot;
@@ -59,13 +60,20 @@ impl Session {
     }
 
     /// Gives back the host role if this client has it, and tells everybody. True if it had.
-    pub(super) fn end(&self) -> bool {
+    pub(super) async fn end(&self) -> bool {
         let was_host = self.app.roles.release(self.client.id);
         if was_host {
+            self.host_gone(self.client.id).await;
             self.app.metrics.hosts.store(0, Relaxed);
             self.app.hub.broadcast(&Outbound::Event(EventMessage::HostFree));
         }
         was_host
+    }
+
+    /// Ends lockstep if it was this host's doing: nobody else is bound to step.
+    async fn host_gone(&self, client: ClientId) {
+        // A server that stops has no lockstep to end.
+        let _stopping = self.ask(|reply| Request::HostGone { client, reply }).await;
     }
 
     /// Takes one message and answers it.
@@ -109,9 +117,9 @@ impl Session {
         self.trusted = true;
         let name = hello.name.unwrap_or_else(|| self.name.clone());
         match hello.role {
-            Role::Host => self.become_host(&name, hello.take_over)?,
+            Role::Host => self.become_host(&name, hello.take_over).await?,
             Role::Watcher => {
-                self.end();
+                self.end().await;
             }
         }
         self.name = name;
@@ -125,7 +133,7 @@ impl Session {
         Ok(())
     }
 
-    fn become_host(&self, name: &str, take_over: bool) -> Result<(), Refused> {
+    async fn become_host(&self, name: &str, take_over: bool) -> Result<(), Refused> {
         let (id, app) = (self.client.id, &self.app);
         let was_host = app.roles.is_host(id);
         match app.roles.claim(id, name, take_over && app.settings.allow_take_over) {
@@ -139,6 +147,7 @@ impl Session {
             }
             Claim::TakenFrom(previous) => {
                 tracing::warn!(client = id, name, previous, "the host role was taken over");
+                self.host_gone(previous).await;
             }
             Claim::Granted => {}
         }
@@ -160,14 +169,7 @@ impl Session {
 
     async fn command(&self, seq: Option<u64>, command: Command, received_us: u64) -> Result<(), Refused> {
         self.must_be_host()?;
-        let removed = match &command {
-            Command::RemoveView { name } => Some(name.clone()),
-            _ => None,
-        };
         let applied = self.ask(|reply| Request::Apply { command, received_us, reply }).await??;
-        if let Some(view) = removed {
-            self.app.hub.end_view(&view);
-        }
         let flash = match applied {
             Applied::Flash { id } => Some(id),
             Applied::Done => None,
@@ -177,17 +179,22 @@ impl Session {
     }
 
     async fn subscribe(&self, seq: Option<u64>, wish: Subscription) -> Result<(), Refused> {
-        let state = self.state().await?;
-        outputs::view(&state.snapshot, &wish.view)?;
+        outputs::view(&self.state().await?.snapshot, &wish.view)?;
         let subscriptions = self.client.subscriptions().len();
         if subscriptions >= limits::SUBSCRIPTIONS && !self.client.subscriptions().contains_key(&wish.view) {
             let limit = format!("{} subscriptions", limits::SUBSCRIPTIONS);
             return Err(Refused::new("view", wish.view, limit, "unsubscribe from another view first"));
         }
-        // The answer stands in the queue before the first frame can.
-        self.answer(&Outbound::Ack(Ack { seq, flash: None }));
-        self.app.hub.subscribe(&self.client, &wish, self.app.settings.jpeg_quality);
-        Ok(())
+        let (app, client) = (Arc::clone(&self.app), Arc::clone(&self.client));
+        // In the world task, which ends the subscriptions to a view that it removes: none can begin behind its back.
+        let begin = Box::new(move |snapshot: &Snapshot| {
+            outputs::view(snapshot, &wish.view)?;
+            // The answer stands in the queue before the first frame can.
+            client.queue.push_answer(control::encode(&Outbound::Ack(Ack { seq, flash: None })));
+            app.hub.subscribe(&client, &wish, app.settings.jpeg_quality);
+            Ok(())
+        });
+        self.ask(|reply| Request::Subscribe { begin, reply }).await?
     }
 
     fn unsubscribe(&self, seq: Option<u64>, view: &str) -> Result<(), Refused> {
@@ -209,7 +216,13 @@ impl Session {
             }
             Outcome::Failed(why) => refuse(&app, &client, seq, Refused::new("to_s", to_s, "", why), 0),
         });
-        self.ask(|reply| Request::Step { to_s, answer, reply }).await?
+        let client = self.client.id;
+        let accepted = self.ask(|reply| Request::Step { client, to_s, answer, reply }).await?;
+        if !self.app.roles.is_host(client) {
+            // Taken over while the step was on its way: it must not hold the next host's world in lockstep.
+            self.host_gone(client).await;
+        }
+        accepted
     }
 
     async fn query(&self, seq: Option<u64>, query: Query) -> Result<(), Refused> {

@@ -153,6 +153,12 @@ impl FanOut {
                 let _gone = ask.reply.send(picture);
             }
         }
+        if let Some(guard) = &guard {
+            let taken: BTreeSet<encode::Format> = recipients.iter().map(|to| to.format).collect();
+            let bytes =
+                taken.iter().filter_map(|format| encoded.get(format)?.as_ref().ok()).map(|bytes| bytes.len() as u64);
+            guard.holds(bytes.sum());
+        }
         for Recipient { client, format, wire_format, when_slow, last_of_step } in recipients {
             let Some(Ok(picture)) = encoded.get(&format) else { continue };
             let (frame, picture, guard) = (Arc::clone(&frame), picture.clone(), guard.clone());

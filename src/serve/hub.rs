@@ -223,6 +223,11 @@ impl Hub {
         self.clients().iter().map(|client| client.queue.frames()).sum()
     }
 
+    /// What the pictures of steps hold until their copies are written.
+    pub(super) fn step_bytes(&self) -> u64 {
+        self.inbox.held_bytes()
+    }
+
     /// Tells the render thread which views somebody wants, and how often at most.
     pub(super) fn wanted_changed(&self) {
         let mut wanted: BTreeMap<String, f64> = BTreeMap::new();

@@ -2,6 +2,9 @@
 //!
 //! Running free, a snapshot is taken when the render thread is *hungry* and not before: it is the newest there can be, and
 //! none is taken in vain, so that a flash that begins with a picture has one.
+//!
+//! In lockstep no copy is dropped, so a client that does not read would gather pictures without end. Therefore a step is
+//! given out only while what earlier steps hold leaves room for its pixels: the steps wait, as snapshots, which are small.
 
 use super::step::StepGuard;
 use super::strikes::Strikes;
@@ -38,8 +41,29 @@ struct State {
     newest: Option<Posted>,
     steps: VecDeque<(Posted, Arc<StepGuard>)>,
     wanted: BTreeMap<String, f64>,
+    /// Bytes of pictures that steps hold which have been given out and not answered.
+    held_bytes: u64,
     hungry: bool,
     stop: bool,
+}
+
+impl Posted {
+    /// Bytes of the pixels of all its views.
+    fn bytes(&self) -> u64 {
+        self.snapshot.views.iter().map(|view| 4 * u64::from(view.size_px[0]) * u64::from(view.size_px[1])).sum()
+    }
+}
+
+impl State {
+    /// The oldest step, if there is room for its pictures; they count as held from now on.
+    fn next_step(&mut self, most_bytes: u64) -> Option<(Posted, Arc<StepGuard>)> {
+        let bytes = self.steps.front()?.0.bytes();
+        if self.held_bytes > 0 && self.held_bytes.saturating_add(bytes) > most_bytes {
+            return None;
+        }
+        self.held_bytes += bytes;
+        self.steps.pop_front()
+    }
 }
 
 /// The mailbox between the world task and the render thread.
@@ -49,12 +73,15 @@ pub(super) struct Inbox {
     hunger: Notify,
     wishes: Notify,
     strikes: Arc<Strikes>,
+    most_bytes: u64,
 }
 
 impl Inbox {
-    /// `strikes` is told which flashes a snapshot shows from the moment at which it is posted.
-    pub(super) fn new(strikes: Arc<Strikes>) -> Self {
-        Self { state: Mutex::default(), changed: Condvar::new(), hunger: Notify::new(), wishes: Notify::new(), strikes }
+    /// `strikes` is told which flashes a snapshot shows from the moment at which it is posted. `most_bytes`: what the
+    /// pictures of steps may hold together; one step alone may hold more.
+    pub(super) fn new(strikes: Arc<Strikes>, most_bytes: u64) -> Self {
+        let (state, changed) = (Mutex::default(), Condvar::new());
+        Self { state, changed, hunger: Notify::new(), wishes: Notify::new(), strikes, most_bytes }
     }
 
     /// Waits until the render thread is ready for a snapshot of the free-running time.
@@ -98,6 +125,25 @@ impl Inbox {
         self.changed.notify_one();
     }
 
+    /// The pictures of steps hold so many bytes more.
+    pub(super) fn held(&self, bytes: u64) {
+        let mut state = self.lock();
+        state.held_bytes = state.held_bytes.saturating_add(bytes);
+    }
+
+    /// A step is done with: its pictures hold so many bytes no more.
+    pub(super) fn freed(&self, bytes: u64) {
+        let mut state = self.lock();
+        state.held_bytes = state.held_bytes.saturating_sub(bytes);
+        drop(state);
+        self.changed.notify_one();
+    }
+
+    /// What the pictures of steps hold.
+    pub(super) fn held_bytes(&self) -> u64 {
+        self.lock().held_bytes
+    }
+
     /// The views that somebody wants, each with the highest rate wanted.
     pub(super) fn set_wanted(&self, wanted: BTreeMap<String, f64>) {
         self.lock().wanted = wanted;
@@ -126,7 +172,7 @@ impl Inbox {
     }
 
     /// The next work; waits for it at most `limit` (`None`: for ever). `free`: whether a free-running round is welcome.
-    pub(super) fn take(&self, limit: Option<Duration>, free: bool) -> Work {
+    pub(super) fn take(self: &Arc<Self>, limit: Option<Duration>, free: bool) -> Work {
         let mut state = self.lock();
         loop {
             if state.stop {
@@ -136,10 +182,11 @@ impl Inbox {
             if let Some(posted) = state.newest.take() {
                 return Work::Free(posted, state.wanted.clone());
             }
-            if let Some((posted, guard)) = state.steps.pop_front() {
+            if let Some((posted, guard)) = state.next_step(self.most_bytes) {
+                guard.begun(Arc::downgrade(self), posted.bytes());
                 return Work::Step(posted, guard);
             }
-            if free && !state.wanted.is_empty() && !state.hungry {
+            if free && state.steps.is_empty() && !state.wanted.is_empty() && !state.hungry {
                 state.hungry = true;
                 self.hunger.notify_one();
             }

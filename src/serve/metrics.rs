@@ -40,6 +40,8 @@ pub(super) struct Metrics {
     pub(super) encodings: AtomicU64,
     /// Frames waiting for clients, all together.
     pub(super) queued: AtomicU64,
+    /// Bytes of pictures that steps hold.
+    pub(super) step_bytes: AtomicU64,
     /// Objects that live on the graphics device.
     pub(super) gpu_objects: AtomicU64,
     /// Simulation time, bits of an f64.
@@ -116,6 +118,7 @@ impl Metrics {
             encoding: zero(),
             encodings: zero(),
             queued: zero(),
+            step_bytes: zero(),
             gpu_objects: zero(),
             simulation_time: zero(),
             executor: Mutex::default(),
@@ -182,12 +185,17 @@ impl Metrics {
         for (name, help, value) in counters {
             single(&mut out, name, help, "counter", value as f64);
         }
-        let gauges: [(&str, &str, f64); 8] = [
+        let gauges: [(&str, &str, f64); 9] = [
             ("clients", "WebSocket clients", self.clients.load(Relaxed) as f64),
             ("hosts", "1 while a client is host", self.hosts.load(Relaxed) as f64),
             ("steps_waiting", "Lockstep steps not yet answered", self.steps_waiting.load(Relaxed) as f64),
             ("encoding", "Frames being encoded", self.encoding.load(Relaxed) as f64),
             ("client_queue_frames", "Frames waiting for clients", self.queued.load(Relaxed) as f64),
+            (
+                "step_bytes",
+                "Bytes that pictures of steps hold until they are written",
+                self.step_bytes.load(Relaxed) as f64,
+            ),
             ("gpu_objects", "Buffers, textures and bind groups on the device", self.gpu_objects.load(Relaxed) as f64),
             ("simulation_time_seconds", "Time of the world", self.simulation_time_s()),
             ("uptime_seconds", "Since the server started", self.start.elapsed().as_secs_f64()),

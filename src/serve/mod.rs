@@ -102,7 +102,7 @@ pub async fn run(
     let _guards = (stop.clone().drop_guard(), kill.clone().drop_guard());
     let metrics = Arc::new(Metrics::new());
     let strikes = Arc::new(Strikes::default());
-    let inbox = Arc::new(Inbox::new(Arc::clone(&strikes)));
+    let inbox = Arc::new(Inbox::new(Arc::clone(&strikes), u64::from(settings.step_memory_mib) << 20));
     let _stops_drawing = StopOnDrop(Arc::clone(&inbox));
     let hub = Arc::new(Hub::new(Arc::clone(&inbox), Arc::clone(&metrics), settings.queue_frames as usize));
 

@@ -2,11 +2,13 @@
 //!
 //! The guard is shared by everything that still works for the step: the job, its frames, their encodings, the copies in the
 //! clients' queues. When the last of them is gone (written, or given up because its client left), the answer goes out. So
-//! a client that vanishes cannot hold a step, and no path can forget to report.
+//! a client that vanishes cannot hold a step, and no path can forget to report. The same guard carries what the step's
+//! pictures hold of memory, so that the inbox knows when there is room for the next step.
 
+use super::inbox::Inbox;
 use crate::wire::control::Format;
 use std::collections::BTreeSet;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError, Weak};
 
 /// What became of a step.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,10 +38,18 @@ struct Progress {
 
 type Answer = Box<dyn FnOnce(Outcome) + Send>;
 
+/// What a step's pictures hold of memory until the last copy is gone, and who keeps the sum.
+#[derive(Default)]
+struct Debt {
+    inbox: Weak<Inbox>,
+    bytes: u64,
+}
+
 /// Answers when dropped.
 pub(super) struct StepGuard {
     progress: Mutex<Progress>,
     answer: Mutex<Option<Answer>>,
+    debt: Mutex<Debt>,
 }
 
 impl StepGuard {
@@ -48,6 +58,23 @@ impl StepGuard {
         Self {
             progress: Mutex::new(Progress { frames: Vec::new(), all_submitted: false, failure: None }),
             answer: Mutex::new(Some(Box::new(answer))),
+            debt: Mutex::default(),
+        }
+    }
+
+    /// The inbox has given this step out, and counts its pixels as held.
+    pub(super) fn begun(&self, inbox: Weak<Inbox>, bytes: u64) {
+        *self.debt.lock().unwrap_or_else(PoisonError::into_inner) = Debt { inbox, bytes };
+    }
+
+    /// A picture of this step has been encoded for somebody: so many bytes more are held.
+    pub(super) fn holds(&self, bytes: u64) {
+        let mut debt = self.debt.lock().unwrap_or_else(PoisonError::into_inner);
+        debt.bytes += bytes;
+        let inbox = debt.inbox.upgrade();
+        drop(debt);
+        if let Some(inbox) = inbox {
+            inbox.held(bytes);
         }
     }
 
@@ -82,6 +109,10 @@ impl StepGuard {
 
 impl Drop for StepGuard {
     fn drop(&mut self) {
+        let debt = self.debt.get_mut().unwrap_or_else(PoisonError::into_inner);
+        if let Some(inbox) = debt.inbox.upgrade() {
+            inbox.freed(debt.bytes);
+        }
         let progress = self.progress.get_mut().unwrap_or_else(PoisonError::into_inner);
         let outcome = match progress.failure.take() {
             Some(why) => Outcome::Failed(why),

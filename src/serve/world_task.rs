@@ -4,6 +4,7 @@ use super::fan_out::missed;
 use super::hub::Hub;
 use super::inbox::{Inbox, Posted};
 use super::metrics::Metrics;
+use super::roles::ClientId;
 use super::step::{Outcome, StepGuard};
 use super::strikes::Strikes;
 use crate::wire::control::out::Player;
@@ -12,7 +13,7 @@ use crate::world::World;
 use crate::world::command::{Command, ScenarioEdit};
 use crate::world::event::{Applied, Refused};
 use crate::world::snapshot::Snapshot;
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 use std::time::{Duration, Instant};
@@ -23,12 +24,20 @@ use tokio_util::sync::CancellationToken;
 /// How a step's answer finds its host; must not block.
 pub(super) type StepAnswer = Box<dyn FnOnce(Outcome) + Send>;
 
+/// Looks at the world as it is and begins a subscription, or says why not; must not block.
+pub(super) type Begin = Box<dyn FnOnce(&Snapshot) -> Result<(), Refused> + Send>;
+
 /// What the world task is asked.
 pub(super) enum Request {
     /// A command of the host, read from its socket at `received_us`.
     Apply { command: Command, received_us: u64, reply: oneshot::Sender<Result<Applied, Refused>> },
-    /// Lockstep: `answer` is called when the step is done, `reply` at once says whether it was accepted.
-    Step { to_s: f64, answer: StepAnswer, reply: oneshot::Sender<Result<(), Refused>> },
+    /// Lockstep, driven by this client: `answer` is called when the step is done, `reply` at once says whether it was
+    /// accepted.
+    Step { client: ClientId, to_s: f64, answer: StepAnswer, reply: oneshot::Sender<Result<(), Refused>> },
+    /// This client is host no more: if lockstep was its doing, the world runs free again.
+    HostGone { client: ClientId, reply: oneshot::Sender<()> },
+    /// Begins a subscription if the views of this moment allow it; before any later command can remove the view.
+    Subscribe { begin: Begin, reply: oneshot::Sender<Result<(), Refused>> },
     /// The world now.
     State { reply: oneshot::Sender<State> },
 }
@@ -54,7 +63,10 @@ pub(super) struct WorldTask {
     strikes: Arc<Strikes>,
     rate_hz: f64,
     shutter_s: Option<f64>,
-    lockstep: bool,
+    /// Who drives it, in lockstep.
+    lockstep: Option<ClientId>,
+    /// Names of the views that there were when anybody looked last.
+    views: BTreeSet<String>,
     received_us: u64,
     /// Up to when the wall clock has been followed.
     followed: Instant,
@@ -77,7 +89,7 @@ impl WorldTask {
         shutter_s: Option<f64>,
     ) -> Self {
         let (followed, drawn) = (Instant::now(), Instant::now());
-        let (lockstep, received_us, intervals_s) = (false, 0, VecDeque::new());
+        let (lockstep, views, received_us, intervals_s) = (None, BTreeSet::new(), 0, VecDeque::new());
         Self {
             world,
             inbox,
@@ -87,6 +99,7 @@ impl WorldTask {
             rate_hz,
             shutter_s,
             lockstep,
+            views,
             received_us,
             followed,
             drawn,
@@ -126,7 +139,7 @@ impl WorldTask {
                     None => break,
                     Some(request) => self.handle(request),
                 },
-                () = hungry, if !self.lockstep => {
+                () = hungry, if self.lockstep.is_none() => {
                     // On the beat while it is kept; a new beat from now on when the drawing could not keep it.
                     let (now, period) = (tokio::time::Instant::now(), period(&inbox, most_hz));
                     beat = if now > beat + 2 * period { now } else { beat + period };
@@ -149,12 +162,21 @@ impl WorldTask {
                 }
                 let _gone = reply.send(result);
             }
-            Request::Step { to_s, answer, reply } => {
-                let _gone = reply.send(self.step(to_s, answer));
+            Request::Step { client, to_s, answer, reply } => {
+                let _gone = reply.send(self.step(client, to_s, answer));
+            }
+            Request::HostGone { client, reply } => {
+                if self.lockstep == Some(client) {
+                    self.run_free("its host is gone");
+                }
+                let _gone = reply.send(());
+            }
+            Request::Subscribe { begin, reply } => {
+                let _gone = reply.send(begin(&self.world.peek(self.free_shutter_s())));
             }
             Request::State { reply } => {
                 let snapshot = Arc::new(self.world.peek(self.free_shutter_s()));
-                let _gone = reply.send(State { snapshot, player: self.player(), lockstep: self.lockstep });
+                let _gone = reply.send(State { snapshot, player: self.player(), lockstep: self.lockstep.is_some() });
             }
         }
     }
@@ -169,21 +191,25 @@ impl WorldTask {
             Some(ScenarioEdit::Load(timeline)) => {
                 tracing::info!(scenario = timeline.name, duration_s = timeline.duration_s, "scenario loaded");
             }
-            Some(ScenarioEdit::Play) if self.lockstep => {
-                self.lockstep = false;
-                tracing::info!("running free again");
-            }
+            Some(ScenarioEdit::Play) if self.lockstep.is_some() => self.run_free("asked to play"),
             _ => {}
         }
         self.settle();
         Ok(applied)
     }
 
+    /// Ends lockstep: from now on time goes on by itself, if it is not paused. Steps that wait are drawn first.
+    fn run_free(&mut self, why: &str) {
+        self.lockstep = None;
+        self.intervals_s.clear();
+        tracing::info!(why, "running free again");
+    }
+
     /// Lets simulation time follow the wall clock while running free.
     fn follow(&mut self) {
         let passed_s = self.followed.elapsed().as_secs_f64();
         self.followed += Duration::from_secs_f64(passed_s);
-        if !self.lockstep && self.world.playing() {
+        if self.lockstep.is_none() && self.world.playing() {
             self.world.advance_to(self.world.simulation_time_s() + passed_s * self.world.speed());
         }
         self.settle();
@@ -207,7 +233,7 @@ impl WorldTask {
         self.inbox.post(posted);
     }
 
-    fn step(&mut self, to_s: f64, answer: StepAnswer) -> Result<(), Refused> {
+    fn step(&mut self, client: ClientId, to_s: f64, answer: StepAnswer) -> Result<(), Refused> {
         let now_s = self.world.simulation_time_s();
         // The wire lets no NaN through; were there one, it would be no step.
         if to_s < now_s || to_s.is_nan() {
@@ -221,9 +247,8 @@ impl WorldTask {
             let limit = format!("{} steps", limits::STEPS_WAITING);
             return Err(Refused::new("to_s", to_s, limit, "too many steps are waiting: await `stepped`"));
         }
-        if !self.lockstep {
-            self.lockstep = true;
-            tracing::info!("lockstep: time moves by the host's steps");
+        if self.lockstep.replace(client).is_none() {
+            tracing::info!(client, "lockstep: time moves by the host's steps");
         }
         self.metrics.steps_waiting.fetch_add(1, Relaxed);
         let metrics = Arc::clone(&self.metrics);
@@ -256,8 +281,15 @@ impl WorldTask {
         (longest_s * self.world.speed()).clamp(limits::SHUTTER_S.min, limits::SHUTTER_S.max)
     }
 
-    /// Tells of flashes that ended unseen, and of scenario entries that could not be carried out.
+    /// Tells of flashes that ended unseen, and of scenario entries that could not be carried out; ends the subscriptions to
+    /// views that are gone, whoever removed them.
     fn settle(&mut self) {
+        let views = self.world.view_names();
+        if !views.eq(self.views.iter().map(String::as_str)) {
+            let present: BTreeSet<String> = self.world.view_names().map(str::to_owned).collect();
+            self.views.difference(&present).for_each(|view| self.hub.end_view(view));
+            self.views = present;
+        }
         self.metrics.set_simulation_time(self.world.simulation_time_s());
         for id in self.world.finished_flashes() {
             if self.strikes.ended(id) {
@@ -274,7 +306,7 @@ impl WorldTask {
         Player {
             scenario: timeline.map(|timeline| timeline.name.clone()),
             description: timeline.map(|timeline| timeline.description.clone()).filter(|text| !text.is_empty()),
-            playing: self.world.playing() && !self.lockstep,
+            playing: self.world.playing() && self.lockstep.is_none(),
             speed: self.world.speed(),
             duration_s: timeline.map(|timeline| timeline.duration_s),
         }

@@ -201,6 +201,8 @@ pub const SHUTTER_S: Range = Range::new(0.000_1, 1.0);
 pub const FRAME_PAYLOAD_BYTES: u32 = 4 * world::VIEW_SIZE_PX[1] * world::VIEW_SIZE_PX[1];
 /// Frames that wait for one client per subscription.
 pub const QUEUE_FRAMES: Whole = Whole::new(1, 16);
+/// Memory in MiB that the pictures of lockstep steps may hold until they are written.
+pub const STEP_MEMORY_MIB: Whole = Whole::new(16, 1_048_576);
 /// Commands that wait for the world.
 pub const QUEUE_COMMANDS: Whole = Whole::new(16, 65_536);
 /// Entries of a list in the settings (allowed origins).

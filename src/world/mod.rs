@@ -95,6 +95,11 @@ impl World {
         self.player.timeline()
     }
 
+    /// Names of the views, in their order.
+    pub fn view_names(&self) -> impl Iterator<Item = &str> {
+        self.state.view_names()
+    }
+
     /// Takes a snapshot whose pictures gather the light of `[now, now + shutter_s)`; flashes asked for "now" begin with it.
     /// A shutter interval that is negative or no number is taken as 0: one instant.
     pub fn snapshot(&mut self, shutter_s: f64) -> Snapshot {

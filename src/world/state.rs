@@ -45,6 +45,11 @@ impl State {
         }
     }
 
+    /// Names of the views, in their order.
+    pub fn view_names(&self) -> impl Iterator<Item = &str> {
+        self.views.iter().map(|view| view.name.as_str())
+    }
+
     /// Simulation time.
     pub fn now_s(&self) -> f64 {
         self.now_s

@@ -199,3 +199,49 @@ async fn a_view_that_is_removed_ends_its_subscriptions_and_views_do_not_share_fr
     host.frame_that("main", |frame| frame.header.view == "main").await;
     server.stop().await;
 }
+
+/// Nobody watches a view that is not there: its subscriptions would be asked for, and never get a frame.
+async fn no_subscription_to(view: &str, watcher: &mut Talker) {
+    let numbers = watcher.ask(json!({"type": "query", "what": "statistics"})).await;
+    let subscriptions = numbers["subscriptions"].as_array().unwrap();
+    assert!(subscriptions.iter().all(|one| one["view"] != view), "{numbers}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_view_that_a_scenario_removes_or_replaces_ends_its_subscriptions() {
+    let server = Server::start().await;
+    let mut host = server.host().await;
+    let mut watcher = server.watcher().await;
+    let document = json!({"type": "scenario", "protocol": "stormdeck.v1", "name": "short", "duration_s": 60, "entries": [
+        {"at": 0, "type": "view", "action": "create", "name": "tail", "size_px": [48, 24]},
+        {"at": 30, "type": "view", "action": "remove", "name": "tail"}]});
+    host.acked(json!({"type": "scenario", "action": "load", "document": document})).await;
+    watcher.subscribe("tail", "raw").await;
+    watcher.subscribe("main", "raw").await;
+    host.ask(json!({"type": "step", "to_s": 31.0})).await;
+    no_subscription_to("tail", &mut watcher).await;
+    watcher.refused(json!({"type": "unsubscribe", "view": "tail"}), "view").await;
+    host.acked(json!({"type": "view", "action": "create", "name": "wing"})).await;
+    watcher.subscribe("wing", "raw").await;
+    host.acked(json!({"type": "scenario", "action": "seek", "at_s": 0.0})).await;
+    no_subscription_to("wing", &mut watcher).await;
+    watcher.acked(json!({"type": "unsubscribe", "view": "main"})).await;
+    server.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn no_subscription_begins_behind_the_back_of_a_removal() {
+    let server = Server::start().await;
+    let mut host = server.host().await;
+    let mut watcher = server.watcher().await;
+    for _ in 0..200 {
+        host.acked(json!({"type": "view", "action": "create", "name": "tail", "size_px": [48, 24]})).await;
+        let subscribe = watcher.say(json!({"type": "subscribe", "view": "tail", "format": "raw"})).await;
+        let removed = host.say(json!({"type": "view", "action": "remove", "name": "tail"})).await;
+        // Acknowledged or refused, as it came first or last: either way nothing is left.
+        watcher.answer(subscribe).await;
+        host.answer(removed).await;
+        no_subscription_to("tail", &mut watcher).await;
+    }
+    server.stop().await;
+}

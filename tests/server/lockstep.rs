@@ -168,3 +168,128 @@ async fn one_picture_is_encoded_once_however_many_watch() {
     assert!(encoded <= f64::from(drawn), "{encoded} encodings of {drawn} pictures");
     server.stop().await;
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn pictures_that_nobody_reads_fill_no_memory_and_none_is_lost() {
+    let server = Server::start_with(|settings| {
+        settings.step_memory_mib = 16;
+        settings.slow_client_s = 600.0;
+    })
+    .await;
+    let mut host = server.host().await;
+    // Pixels and copy of one step are 8 MiB together: two or three steps fill the memory allowed, and the buffers of the
+    // system between server and watcher take one or two more.
+    host.acked(json!({"type": "view", "action": "change", "name": "main", "size_px": [1024, 1024]})).await;
+    let mut stuck = server.watcher().await;
+    host.ask(json!({"type": "step", "to_s": 100.0})).await;
+    stuck.subscribe("main", "raw").await;
+    const STEPS: u32 = 40;
+    let times: Vec<f64> = (1..=STEPS).map(|step| 100.0 + 600.0 * f64::from(step)).collect();
+    let mut steps = Vec::new();
+    for to_s in &times {
+        steps.push(host.say(json!({"type": "step", "to_s": to_s})).await);
+    }
+    server.until_metric("stormdeck_step_bytes", |bytes| bytes > f64::from(8 << 20)).await;
+    for _ in 0..30 {
+        let held = server.metric("stormdeck_step_bytes").await;
+        // What is being encoded when a step is given out comes on top: one frame here.
+        assert!(held <= f64::from(24 << 20), "{held} bytes are held");
+    }
+    assert!(server.control.submitted() < u64::from(STEPS) / 2, "{} drawn", server.control.submitted());
+    for to_s in times {
+        assert_eq!(stuck.frame().await.header.simulation_time_s, to_s);
+    }
+    for seq in steps {
+        let stepped = tokio::time::timeout(GUARD, host.answer(seq)).await.unwrap();
+        assert_eq!((&stepped["type"], &stepped["frames"][0]["copies"]), (&json!("stepped"), &json!(1)), "{stepped}");
+    }
+    assert_eq!(server.metric("stormdeck_step_bytes").await, 0.0);
+    server.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn one_step_that_is_larger_than_the_memory_allowed_is_drawn_all_the_same() {
+    let server = Server::start_with(|settings| settings.step_memory_mib = 0).await;
+    let mut host = server.host().await;
+    host.subscribe("main", "raw").await;
+    for step in 0..3 {
+        let stepped = host.ask(json!({"type": "step", "to_s": 100.0 + f64::from(step)})).await;
+        assert_eq!(stepped["type"], "stepped", "{stepped}");
+    }
+    server.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn the_free_clock_runs_again_when_the_host_that_stepped_is_gone() {
+    let server = Server::start_with(|settings| settings.allow_take_over = true).await;
+    let mut watcher = server.watcher().await;
+    let mut last_s = 0.0;
+    for how in ["goodbye", "vanishes", "steps back", "taken over"] {
+        let mut host = server.host().await;
+        last_s += 1000.0;
+        let stepped = host.ask(json!({"type": "step", "to_s": last_s})).await;
+        assert_eq!(stepped["type"], "stepped", "{how}: {stepped}");
+        let state = watcher.ask(json!({"type": "query", "what": "state"})).await;
+        assert_eq!(
+            (&state["simulation_time_s"], &state["player"]["playing"]),
+            (&json!(last_s), &json!(false)),
+            "{how}"
+        );
+        watcher.subscribe("main", "raw").await;
+        let mut next = None;
+        match how {
+            "goodbye" => host.client.close().await,
+            "vanishes" => drop(host),
+            "steps back" => drop(host.hello(json!({"role": "watcher"})).await),
+            _ => {
+                let mut taker = server.connect().await;
+                taker.hello(json!({"role": "host", "take_over": true})).await;
+                next = Some((taker, host));
+            }
+        }
+        let free = watcher.frame_that(how, |frame| frame.header.simulation_time_s > last_s).await;
+        assert!(free.header.simulation_time_s < last_s + 1000.0, "{how}");
+        watcher.acked(json!({"type": "unsubscribe", "view": "main"})).await;
+        watcher.frames.clear();
+        drop(next);
+        server.until_metric("stormdeck_hosts", |hosts| hosts == 0.0).await;
+    }
+    server.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn steps_that_wait_are_drawn_in_order_before_the_free_run_that_follows_their_host() {
+    let server = Server::start().await;
+    let mut host = server.host().await;
+    host.ask(json!({"type": "step", "to_s": 100.0})).await;
+    let mut watcher = server.watcher().await;
+    watcher.subscribe("main", "raw").await;
+    server.control.hold();
+    for step in 1..=10_u32 {
+        host.say(json!({"type": "step", "to_s": 100.0 + 600.0 * f64::from(step)})).await;
+    }
+    server.until_metric("stormdeck_steps_waiting", |waiting| waiting == 10.0).await;
+    host.client.close().await;
+    watcher.event("host_free").await;
+    server.control.release();
+    for step in 1..=10_u32 {
+        assert_eq!(watcher.frame().await.header.simulation_time_s, 100.0 + 600.0 * f64::from(step));
+    }
+    watcher.frame_that("the free run", |frame| frame.header.simulation_time_s > 6100.0).await;
+    server.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_world_that_was_paused_is_still_paused_when_the_host_that_stepped_is_gone() {
+    let server = Server::start().await;
+    let mut host = server.host().await;
+    host.acked(json!({"type": "scenario", "action": "pause"})).await;
+    host.ask(json!({"type": "step", "to_s": 100.0})).await;
+    let mut watcher = server.watcher().await;
+    watcher.subscribe("main", "raw").await;
+    host.client.close().await;
+    for _ in 0..3 {
+        assert_eq!(watcher.frame().await.header.simulation_time_s, 100.0);
+    }
+    server.stop().await;
+}

@@ -154,3 +154,23 @@ async fn a_scenario_is_loaded_by_name_or_as_a_document() {
     guarded("the end", server.stop()).await;
     std::fs::remove_dir_all(&folder).unwrap();
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_flood_of_pings_is_a_flood() {
+    use tokio::io::AsyncWriteExt;
+    let server = Server::start().await;
+    let mut flood = tokio::net::TcpStream::connect(server.address).await.unwrap();
+    let upgrade = format!(
+        "GET /ws HTTP/1.1\r\nHost: {}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n\
+         Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n",
+        server.address
+    );
+    flood.write_all(upgrade.as_bytes()).await.unwrap();
+    // An empty ping with a mask of zeros (RFC 6455, 5.2).
+    flood.write_all(&[0x89, 0x80, 0, 0, 0, 0].repeat(10_000)).await.unwrap();
+    server.until_metric("stormdeck_messages_total", |messages| messages == 10_000.0).await;
+    assert!(server.metric("stormdeck_flood_dropped_total").await > 0.0);
+    let refused = server.metric("stormdeck_refusals_total").await;
+    assert!((1.0..10.0).contains(&refused), "at most one a second: {refused}");
+    server.stop().await;
+}

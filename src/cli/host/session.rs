@@ -79,7 +79,7 @@ impl Session {
         let duration_s = limits::SCENARIO_DURATION_S.max;
         let empty = Timeline { name: "empty".to_owned(), duration_s, ..Timeline::default() };
         self.command(Command::Scenario(ScenarioEdit::Load(Arc::new(empty)))).await?;
-        // An earlier host may have left the server in lockstep; only `play` ends that.
+        // An earlier host may have left the time standing.
         let clock = if options.lockstep { ScenarioEdit::Pause } else { ScenarioEdit::Play };
         self.command(Command::Scenario(clock)).await?;
         self.views = self.state().await?.views.into_iter().map(|view| view.name).collect();
