@@ -16,6 +16,7 @@ pub mod outputs;
 pub mod passes;
 pub mod plan;
 pub mod reference;
+pub mod report;
 pub mod scattering;
 pub mod serve;
 pub mod settings;

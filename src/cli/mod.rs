@@ -7,6 +7,7 @@ mod executor;
 mod host;
 mod progress;
 mod render;
+mod report;
 mod scenario;
 mod serve;
 
@@ -30,6 +31,7 @@ enum Verb {
     Render(render::Options),
     Check(check::Options),
     Host(host::Options),
+    Report(report::Options),
 }
 
 /// Why a verb did not do what was asked.
@@ -61,6 +63,7 @@ pub fn main() -> ExitCode {
         Verb::Render(options) => render::run(&options),
         Verb::Check(options) => check::run(&options),
         Verb::Host(options) => host::run(&options),
+        Verb::Report(options) => report::run(&options),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -29,6 +29,14 @@ pub fn shaders() -> Vec<(&'static str, String)> {
     pipelines::shaders()
 }
 
+/// The best adapter in one line: name, driver and back end.
+///
+/// # Errors
+/// As [`GpuExecutor::new`].
+pub fn adapter() -> Result<String, Fault> {
+    Gpu::open().map(|gpu| gpu.name)
+}
+
 /// Plays plans on a graphics adapter.
 pub struct GpuExecutor {
     gpu: Gpu,

@@ -1,5 +1,6 @@
-//! Mathematics that knows no weather: seeded random numbers, periodic noise, directions on the sphere.
+//! Mathematics that knows no weather: seeded random numbers, periodic noise, directions on the sphere, error metrics.
 
 pub mod hash;
+pub mod metrics;
 pub mod noise;
 pub mod sphere;

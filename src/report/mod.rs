@@ -1,0 +1,36 @@
+//! Error against run time: every approximation of the house measured against its named reference.
+//!
+//! A *subject* (one file, one row of [`subjects`]) measures its methods case by case and hands each to [`Run::record`].
+//! The report prints a table, writes JSON, CSV and one HTML page with plots, and holds results against stored bounds.
+
+mod check;
+mod csv;
+mod figure;
+mod html;
+mod machine;
+mod outputs;
+mod pareto;
+mod pivot;
+mod result;
+mod run;
+mod scene;
+mod subject;
+mod table;
+mod timing;
+mod units;
+
+pub use check::{Bounds, Verdict};
+pub use figure::Figure;
+pub use outputs::{OpenFailure, Outputs, Paths};
+pub use result::{Case, CaseResult, ErrorValue, Report, TimeSpread};
+pub use run::{Happening, run};
+pub use subject::{Run, Stopped, Subject};
+pub use table::table;
+pub use timing::measure;
+
+/// Every subject that `stormdeck report` knows, in the order in which they run. One line and one file each.
+pub fn subjects() -> &'static [Subject] {
+    &[encode::SUBJECT]
+}
+
+mod encode;
