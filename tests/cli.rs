@@ -272,3 +272,22 @@ fn a_server_with_a_token_wants_it() {
     expect(&[&host[..], &["--token", "a-long-secret"]].concat(), 0, &["connected"]);
     assert_eq!(server.stop("-TERM"), Some(0));
 }
+
+#[test]
+fn a_cigi_message_becomes_json_and_comes_back() {
+    let hex = "011803003d0000806400000020a107006300000000000000";
+    let shown = stormdeck(&["cigi", "decode", hex]).output().expect("the binary");
+    assert!(shown.status.success());
+    let text = String::from_utf8(shown.stdout).expect("UTF-8");
+    assert!(text.contains(r#""packet": "IG Control""#) && text.contains(r#""timestamp": 500000"#), "{text}");
+    assert_eq!(run(&mut stormdeck(&["cigi", "encode", &text])), (0, format!("{hex}\n")));
+    // Packets alone, in the other byte order; then what is wrong, and where.
+    let alone = ["cigi", "decode", "1e10000000000003", "--version", "3.3", "--byte-order", "big"];
+    let (code, text) = run(&mut stormdeck(&alone));
+    assert!(code == 1 && text.contains("packet 30 at byte 0: size 16, but 8 bytes are left"), "{code} {text}");
+    let (code, text) = run(&mut stormdeck(&["cigi", "decode", &hex[..46]]));
+    assert!(code == 1 && text.contains("23 bytes: a message begins with a packet of 24 bytes"), "{code} {text}");
+    assert_eq!(run(&mut stormdeck(&["cigi", "decode", "xyz"])).0, 2);
+    assert_eq!(run(&mut stormdeck(&["cigi", "decode", hex, "--version", "3.3"])).0, 2);
+    assert_eq!(run(&mut stormdeck(&["cigi", "encode", "{}"])).0, 2);
+}

@@ -3,6 +3,7 @@
 //! Exit codes: 0 done, 1 the run failed, 2 the command line or a file is wrong.
 
 mod check;
+mod cigi;
 mod executor;
 mod host;
 mod progress;
@@ -32,6 +33,7 @@ enum Verb {
     Check(check::Options),
     Host(host::Options),
     Report(report::Options),
+    Cigi(cigi::Options),
 }
 
 /// Why a verb did not do what was asked.
@@ -64,6 +66,7 @@ pub fn main() -> ExitCode {
         Verb::Check(options) => check::run(&options),
         Verb::Host(options) => host::run(&options),
         Verb::Report(options) => report::run(&options),
+        Verb::Cigi(options) => cigi::run(&options),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

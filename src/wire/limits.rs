@@ -59,6 +59,11 @@ pub const OBJECT_FIELDS: usize = 64;
 /// Most complaints that one file or message is answered with; the rest are counted.
 pub const COMPLAINTS: usize = 100;
 
+/// Longest CIGI message in bytes: what one UDP datagram can carry over IPv4.
+pub const CIGI_MESSAGE_BYTES: usize = 65_507;
+/// Most packets of a CIGI message that is given as JSON; the smallest packet has 8 bytes.
+pub const CIGI_JSON_PACKETS: usize = CIGI_MESSAGE_BYTES / 8;
+
 // --- Names and texts ---
 
 /// Length in characters of the name of a view, a region or a client. A view's name fills at most 32 bytes of a frame header.

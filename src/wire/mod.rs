@@ -1,5 +1,6 @@
 //! The wire: bytes to commands and events to bytes, and nothing but bytes. Pure: no socket, no clock.
 
+pub mod cigi;
 pub mod control;
 pub mod frames;
 pub mod json;
