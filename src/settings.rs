@@ -4,6 +4,7 @@ mod scenarios;
 
 pub use scenarios::BUILT_IN_SCENARIOS;
 
+use crate::wire::control::names::DeckFormName;
 use crate::wire::json::{self, Complaint, Node, Problem, Rule, Size};
 use crate::wire::{limits, schema};
 use crate::world::event::Refused;
@@ -40,6 +41,8 @@ pub struct Settings {
     pub slices: u32,
     /// Pixels of the picture each way to one of the deck, 1 to 4.
     pub deck_scale: u32,
+    /// How a GPU draws the deck.
+    pub deck_form: DeckFormName,
     /// Ratio between the radii of neighbouring billboard rings, above 1.
     pub ring_ratio: f64,
     /// Quality of JPEGs where nobody asks for another, 1 to 100.
@@ -106,6 +109,8 @@ struct SettingsFile {
     /// Pixels of the picture each way to one of the deck: 1 is sharpest, 2 costs a quarter.
     #[schemars(range(min = limits::DECK_SCALE.min, max = limits::DECK_SCALE.max))]
     deck_scale: u32,
+    /// How a GPU draws the deck: the forms differ in cost, not in what they show.
+    deck_form: DeckFormName,
     /// Ratio between the radii of neighbouring billboard rings.
     #[schemars(range(min = limits::RING_RATIO.min, max = limits::RING_RATIO.max))]
     ring_ratio: f64,
@@ -174,7 +179,12 @@ impl Settings {
 
     /// What may be spent on a picture.
     pub fn quality(&self) -> Quality {
-        Quality { slices: self.slices, ring_ratio: self.ring_ratio, deck_scale: self.deck_scale }
+        Quality {
+            slices: self.slices,
+            ring_ratio: self.ring_ratio,
+            deck_scale: self.deck_scale,
+            deck_form: self.deck_form.into(),
+        }
     }
 
     /// What contradicts the rules between fields; also to be asked after flags have changed some.
@@ -215,6 +225,7 @@ impl Settings {
             shutter_s: file.shutter_s,
             slices: file.slices,
             deck_scale: file.deck_scale,
+            deck_form: file.deck_form,
             ring_ratio: file.ring_ratio,
             jpeg_quality: file.jpeg_quality,
             scenario: file.scenario,

@@ -4,9 +4,13 @@
 //! pass between them, then ground and sky behind it, then tone mapping and a copy into a slot of the read-back ring.
 //! Everything is blended "under": a target's alpha is what is already hidden.
 
+mod deck;
 mod device;
 mod frame;
+mod instanced;
+mod layouts;
 mod light;
+mod march;
 mod pipelines;
 mod resident;
 mod ring;

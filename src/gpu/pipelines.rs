@@ -1,11 +1,13 @@
 //! The pipelines: one for each pass, and for the deck one for each combination of what a scene needs.
 
 use super::device::Gpu;
+use super::layouts::{Layouts, pipeline_layout};
 use super::targets::{DEPTH_FORMAT, PICTURE_FORMAT};
 use crate::passes::deck::Instance;
 use std::collections::HashMap;
 
 const COMMON: &str = include_str!("../passes/common.wgsl");
+const FIELD: &str = include_str!("../passes/deck/field.wgsl");
 
 /// All WGSL modules by name, as they are compiled.
 pub fn shaders() -> Vec<(&'static str, String)> {
@@ -13,7 +15,8 @@ pub fn shaders() -> Vec<(&'static str, String)> {
     vec![
         with_common("sky", include_str!("../passes/sky/sky.wgsl")),
         with_common("ground", include_str!("../passes/ground/ground.wgsl")),
-        with_common("deck", include_str!("../passes/deck/deck.wgsl")),
+        with_common("deck", &format!("{FIELD}\n{}", include_str!("../passes/deck/deck.wgsl"))),
+        with_common("march", &format!("{FIELD}\n{}", include_str!("../passes/deck/march.wgsl"))),
         with_common("cull", include_str!("../passes/cull/cull.wgsl")),
         ("light", include_str!("../passes/light/light.wgsl").to_string()),
         ("tonemap", include_str!("../passes/tonemap/tonemap.wgsl").to_string()),
@@ -28,6 +31,17 @@ pub struct DeckVariant {
     pub flashes: bool,
 }
 
+impl DeckVariant {
+    fn constants(self) -> [(&'static str, f64); 3] {
+        let flag = |on: bool| f64::from(u8::from(on));
+        [
+            ("SEVERAL_CHARTS", flag(self.several_charts)),
+            ("REGIONS", flag(self.regions)),
+            ("FLASHES", flag(self.flashes)),
+        ]
+    }
+}
+
 /// Pipelines and the layouts of their bind groups.
 pub struct Pipelines {
     pub frame_layout: wgpu::BindGroupLayout,
@@ -35,6 +49,7 @@ pub struct Pipelines {
     pub ground_layout: wgpu::BindGroupLayout,
     pub image_layout: wgpu::BindGroupLayout,
     pub light_layout: wgpu::BindGroupLayout,
+    pub march_layout: wgpu::BindGroupLayout,
     pub sky: wgpu::RenderPipeline,
     pub ground: wgpu::RenderPipeline,
     pub cull: wgpu::RenderPipeline,
@@ -44,6 +59,9 @@ pub struct Pipelines {
     deck_module: wgpu::ShaderModule,
     deck_pipeline_layout: wgpu::PipelineLayout,
     deck: HashMap<DeckVariant, wgpu::RenderPipeline>,
+    march_module: wgpu::ShaderModule,
+    march_pipeline_layout: wgpu::PipelineLayout,
+    march: HashMap<(DeckVariant, bool), wgpu::ComputePipeline>,
 }
 
 impl Pipelines {
@@ -71,16 +89,7 @@ impl Pipelines {
         let tonemap_layout = pipeline_layout(gpu, &[Some(&layouts.image)]);
         let light_layout = pipeline_layout(gpu, &[Some(&layouts.light)]);
         let light_module = module("light");
-        let light = |entry: &str| {
-            gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some(entry),
-                layout: Some(&light_layout),
-                module: &light_module,
-                entry_point: Some(entry),
-                compilation_options: Default::default(),
-                cache: None,
-            })
-        };
+        let light = |entry: &str| compute(gpu, entry, &light_module, &light_layout, Default::default());
         let opaque = wgpu::ColorTargetState { format: PICTURE_FORMAT, blend: None, write_mask: wgpu::ColorWrites::ALL };
         Self {
             sky: fullscreen("sky", None),
@@ -90,114 +99,44 @@ impl Pipelines {
             light_down: light("light_down"),
             light_up: light("light_up"),
             deck_module: module("deck"),
-            deck_pipeline_layout: pipeline_layout(gpu, &[Some(&layouts.frame), Some(&layouts.deck)]),
+            deck_pipeline_layout: pipeline_layout(
+                gpu,
+                &[Some(&layouts.frame), Some(&layouts.deck), Some(&layouts.ground)],
+            ),
             deck: HashMap::new(),
+            march_module: module("march"),
+            march_pipeline_layout: pipeline_layout(
+                gpu,
+                &[Some(&layouts.frame), Some(&layouts.deck), Some(&layouts.march)],
+            ),
+            march: HashMap::new(),
             frame_layout: layouts.frame,
             deck_layout: layouts.deck,
             ground_layout: layouts.ground,
             image_layout: layouts.image,
             light_layout: layouts.light,
+            march_layout: layouts.march,
         }
     }
 
     /// The deck's pipeline for what a layer needs.
     pub fn deck(&mut self, gpu: &Gpu, variant: DeckVariant) -> &wgpu::RenderPipeline {
         self.deck.entry(variant).or_insert_with(|| {
-            let flag = |on: bool| f64::from(u8::from(on));
-            let constants = [
-                ("SEVERAL_CHARTS", flag(variant.several_charts)),
-                ("REGIONS", flag(variant.regions)),
-                ("FLASHES", flag(variant.flashes)),
-            ];
             let target = Some(under(gpu.light_format));
+            let constants = variant.constants();
             render(gpu, "deck", &self.deck_module, &self.deck_pipeline_layout, target, Some(tested()), &constants)
         })
     }
-}
 
-struct Layouts {
-    frame: wgpu::BindGroupLayout,
-    deck: wgpu::BindGroupLayout,
-    ground: wgpu::BindGroupLayout,
-    image: wgpu::BindGroupLayout,
-    light: wgpu::BindGroupLayout,
-}
-
-impl Layouts {
-    fn new(gpu: &Gpu) -> Self {
-        use wgpu::TextureViewDimension::{D2, D3};
-        let layout = |label: &str, stages: wgpu::ShaderStages, kinds: &[wgpu::BindingType]| {
-            let entries: Vec<_> = kinds
-                .iter()
-                .enumerate()
-                .map(|(i, ty)| wgpu::BindGroupLayoutEntry {
-                    binding: i as u32,
-                    visibility: stages,
-                    ty: *ty,
-                    count: None,
-                })
-                .collect();
-            gpu.device
-                .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
-        };
-        let buffer =
-            |ty, has_dynamic_offset| wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
-        // Parameters stand in read-only storage, not in uniform buffers: with those, Mesa's lavapipe (22.3) went back to its
-        // shader compiler at every change of a value and kept what it had made, up to 20 MiB a frame. It seems to inline
-        // uniform values that a branch reads.
-        let parameters = buffer(wgpu::BufferBindingType::Storage { read_only: true }, false);
-        let storage = buffer(wgpu::BufferBindingType::Storage { read_only: false }, false);
-        let texture = |view_dimension, filterable| wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable },
-            view_dimension,
-            multisampled: false,
-        };
-        let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
-        let drawing = wgpu::ShaderStages::VERTEX_FRAGMENT;
-        let volume = texture(D3, true);
-        Self {
-            frame: layout(
-                "frame",
-                drawing,
-                &[parameters, parameters, texture(D2, true), sampler, texture(D2, true), sampler, texture(D2, true)],
-            ),
-            deck: layout(
-                "deck",
-                drawing,
-                &[parameters, parameters, volume, volume, volume, texture(D2, true), volume, sampler],
-            ),
-            ground: layout("ground", drawing, &[parameters]),
-            image: layout("image", drawing, &[texture(D2, false)]),
-            light: layout(
-                "light",
-                wgpu::ShaderStages::COMPUTE,
-                &[
-                    parameters,
-                    buffer(wgpu::BufferBindingType::Storage { read_only: true }, true),
-                    texture(D3, false),
-                    storage,
-                    storage,
-                    wgpu::BindingType::StorageTexture {
-                        access: wgpu::StorageTextureAccess::WriteOnly,
-                        format: super::light::FORMAT,
-                        view_dimension: D3,
-                    },
-                ],
-            ),
-        }
+    /// The walking form of it, for rays on the way down or on the way up.
+    pub fn march(&mut self, gpu: &Gpu, variant: DeckVariant, falling: bool) -> &wgpu::ComputePipeline {
+        self.march.entry((variant, falling)).or_insert_with(|| {
+            let mut constants = variant.constants().to_vec();
+            constants.push(("FALLING", f64::from(u8::from(falling))));
+            let options = wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
+            compute(gpu, "deck_march", &self.march_module, &self.march_pipeline_layout, options)
+        })
     }
-}
-
-fn pipeline_layout(gpu: &Gpu, groups: &[Option<&wgpu::BindGroupLayout>]) -> wgpu::PipelineLayout {
-    let groups: Vec<_> = match groups {
-        [first, None] => vec![*first],
-        all => all.to_vec(),
-    };
-    gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: None,
-        bind_group_layouts: &groups,
-        immediate_size: 0,
-    })
 }
 
 /// What is nearer is there already: new light comes through what the target's alpha still lets pass.
@@ -240,6 +179,23 @@ fn depth(write: bool, compare: wgpu::CompareFunction) -> wgpu::DepthStencilState
         stencil: Default::default(),
         bias: Default::default(),
     }
+}
+
+fn compute(
+    gpu: &Gpu,
+    entry: &str,
+    module: &wgpu::ShaderModule,
+    layout: &wgpu::PipelineLayout,
+    compilation_options: wgpu::PipelineCompilationOptions,
+) -> wgpu::ComputePipeline {
+    gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some(entry),
+        layout: Some(layout),
+        module,
+        entry_point: Some(entry),
+        compilation_options,
+        cache: None,
+    })
 }
 
 fn render(

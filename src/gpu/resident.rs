@@ -11,10 +11,11 @@ use crate::passes::light::Light;
 use crate::passes::sky::table::{self, TableParams};
 use std::collections::VecDeque;
 
-/// Light volumes kept at once (16 MiB each), or as many as one picture needs.
+/// Light volumes kept at once (8 MiB each), or as many as one picture needs.
 pub const VOLUMES_KEPT: usize = 16;
 
 /// A genus's shape values and their bounds by column.
+#[derive(Clone)]
 pub struct Shape {
     pub values: wgpu::TextureView,
     pub bounds: wgpu::TextureView,
@@ -83,11 +84,6 @@ impl Resident {
         }
     }
 
-    /// Bounds of a genus's columns.
-    pub fn bounds(&mut self, gpu: &Gpu, kind: CloudKind) -> wgpu::TextureView {
-        self.shape(gpu, kind).bounds.clone()
-    }
-
     /// The light volume of a genus for these parameters; computed where it is not resident. `most`: how many may stay.
     pub fn volume(
         &mut self,
@@ -100,7 +96,7 @@ impl Resident {
         let key = (kind, *params);
         let found = self.volumes.iter().position(|(k, _)| *k == key).and_then(|at| self.volumes.remove(at));
         let entry = found.unwrap_or_else(|| {
-            let shape = self.shape(gpu, kind).values.clone();
+            let shape = self.shape(gpu, kind).values;
             let scratch = self.scratch.get_or_insert_with(|| light::Scratch::new(gpu));
             (key, light::compute(gpu, pipelines, scratch, &shape, params))
         });
@@ -110,16 +106,25 @@ impl Resident {
         view
     }
 
-    fn shape(&mut self, gpu: &Gpu, kind: CloudKind) -> &Shape {
+    /// Shape values and bounds of a genus.
+    pub fn shape(&mut self, gpu: &Gpu, kind: CloudKind) -> Shape {
         let at = self.shapes.iter().position(|(k, _)| *k == kind).unwrap_or_else(|| {
             let shape = &DensityVolume::of(kind).shape;
-            let (w, h, b) = (density::WIDTH as u32, density::HEIGHT as u32, BOUNDS_WIDTH as u32);
+            let b = BOUNDS_WIDTH as u32;
             let byte = wgpu::TextureFormat::R8Unorm;
-            let values = filled(gpu, "shape", byte, [w, w, h], shape);
+            let values = shape_values(gpu, shape);
             let bounds = filled(gpu, "bounds", byte, [b, b, 1], &column_bounds(shape));
             self.shapes.push_back((kind, Shape { values, bounds }));
             self.shapes.len() - 1
         });
-        &self.shapes[at].1
+        self.shapes[at].1.clone()
     }
+}
+
+/// A density volume's shape values in f16: some samplers weigh 8-bit texels in 8 bits, and the threshold would make that
+/// error visible.
+pub fn shape_values(gpu: &Gpu, shape: &[u8]) -> wgpu::TextureView {
+    let half: Vec<half::f16> = shape.iter().map(|v| half::f16::from_f32(f32::from(*v) / 255.0)).collect();
+    let size = [density::WIDTH as u32, density::WIDTH as u32, density::HEIGHT as u32];
+    filled(gpu, "shape", wgpu::TextureFormat::R16Float, size, bytemuck::cast_slice(&half))
 }

@@ -2,6 +2,8 @@
 
 use super::device::Gpu;
 use super::textures::empty;
+use crate::plan::FramePlan;
+use crate::world::snapshot::DeckForm;
 use std::collections::VecDeque;
 
 /// Sizes kept at once.
@@ -12,11 +14,16 @@ pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 /// The tone-mapped picture, encoded by the shader.
 pub const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
+/// Size in pixels, pixels to one of the deck, and the deck's form.
+type Key = ([u32; 2], u32, DeckForm);
+
 /// Targets of one size.
 pub struct Target {
-    key: ([u32; 2], u32),
-    pub deck_view: wgpu::TextureView,
-    pub depth_view: wgpu::TextureView,
+    key: Key,
+    /// The deck by itself; a second image only for the walking form, which reads one and writes the other.
+    pub deck: Vec<wgpu::TextureView>,
+    /// Pixels that are opaque, for the instanced form.
+    pub occlusion: Option<wgpu::TextureView>,
     pub light: wgpu::Texture,
     pub light_view: wgpu::TextureView,
     pub picture: wgpu::Texture,
@@ -30,10 +37,11 @@ pub struct Targets {
 }
 
 impl Targets {
-    /// The targets of a size, with a deck of `deck_scale` times fewer pixels each way.
-    pub fn of(&mut self, gpu: &Gpu, size_px: [u32; 2], deck_scale: u32) -> &Target {
-        let at = self.kept.iter().position(|t| t.key == (size_px, deck_scale));
-        let target = at.and_then(|at| self.kept.remove(at)).unwrap_or_else(|| Target::new(gpu, size_px, deck_scale));
+    /// The targets of a plan.
+    pub fn of(&mut self, gpu: &Gpu, plan: &FramePlan) -> &Target {
+        let key = (plan.size_px, plan.deck_scale, plan.deck_form);
+        let at = self.kept.iter().position(|t| t.key == key);
+        let target = at.and_then(|at| self.kept.remove(at)).unwrap_or_else(|| Target::new(gpu, key));
         self.kept.push_front(target);
         self.kept.truncate(KEPT);
         &self.kept[0]
@@ -41,23 +49,28 @@ impl Targets {
 }
 
 impl Target {
-    fn new(gpu: &Gpu, size_px: [u32; 2], deck_scale: u32) -> Self {
+    fn new(gpu: &Gpu, key: Key) -> Self {
+        let (size_px, deck_scale, form) = key;
         use wgpu::TextureUsages as Usage;
         let size = [size_px[0], size_px[1], 1];
         let coarse = [size_px[0].div_ceil(deck_scale), size_px[1].div_ceil(deck_scale), 1];
         let drawn = Usage::RENDER_ATTACHMENT | Usage::COPY_SRC;
         let read = drawn | Usage::TEXTURE_BINDING;
-        let deck = empty(gpu, "deck", gpu.light_format, coarse, read);
-        let depth = empty(gpu, "occlusion", DEPTH_FORMAT, coarse, Usage::RENDER_ATTACHMENT);
+        let (images, deck_usage) = match form {
+            DeckForm::Instanced => (1, read),
+            DeckForm::Auto | DeckForm::Marched => (2, read | Usage::STORAGE_BINDING | Usage::COPY_DST),
+        };
+        let deck = || empty(gpu, "deck", gpu.light_format, coarse, deck_usage);
+        let occlusion = || empty(gpu, "occlusion", DEPTH_FORMAT, coarse, Usage::RENDER_ATTACHMENT);
         let light = empty(gpu, "light", gpu.light_format, size, read);
         let picture = empty(gpu, "picture", PICTURE_FORMAT, size, drawn);
         let view = |t: &wgpu::Texture| t.create_view(&wgpu::TextureViewDescriptor::default());
         Self {
-            key: (size_px, deck_scale),
-            deck_view: view(&deck),
+            key,
+            deck: (0..images).map(|_| view(&deck())).collect(),
+            occlusion: (form == DeckForm::Instanced).then(|| view(&occlusion())),
             light_view: view(&light),
             light,
-            depth_view: view(&depth),
             picture_view: view(&picture),
             picture,
         }

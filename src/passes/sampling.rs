@@ -35,11 +35,6 @@ pub fn volume_rgba(data: &[[u8; 4]], width: usize, height: usize, p: [f32; 3]) -
     std::array::from_fn(|channel| corners.weigh(|k| f32::from(texel[k][channel])) * (1.0 / 255.0))
 }
 
-/// The fourth of the values of [`volume_rgba`].
-pub fn volume_alpha(data: &[[u8; 4]], width: usize, height: usize, p: [f32; 3]) -> f32 {
-    Corners::new(width, height, false, p).blend(|i| f32::from(data[i][3])) * (1.0 / 255.0)
-}
-
 struct Corners {
     index: [usize; 8],
     share: [f32; 3],

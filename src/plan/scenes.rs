@@ -5,7 +5,7 @@ use crate::geo::frames::enu;
 use crate::geo::{Attitude, Geodetic};
 use crate::world::command::{Exposure, FlashKind, Polarity, RegionShape};
 use crate::world::snapshot::{
-    FlashState, LayerState, OwnshipState, Quality, RegionState, SkyState, Snapshot, ViewState, WeatherState,
+    DeckForm, FlashState, LayerState, OwnshipState, Quality, RegionState, SkyState, Snapshot, ViewState, WeatherState,
 };
 use glam::{DQuat, DVec3};
 
@@ -37,7 +37,7 @@ pub fn clear_day() -> Snapshot {
         views: vec![view],
         flashes: Vec::new(),
         sky,
-        quality: Quality { slices: 8, deck_scale: 1, ring_ratio: 4.0 },
+        quality: Quality { slices: 8, deck_scale: 1, ring_ratio: 4.0, deck_form: DeckForm::Auto },
     };
     sun(snapshot, 50.0)
 }

@@ -7,7 +7,7 @@ use crate::clouds::{density, detail, modulation};
 use crate::geo::Geodetic;
 use crate::geo::wgs84::{from_ecef, to_ecef};
 use crate::passes::common::stereographic;
-use crate::passes::deck::field::{BOUNDS_WIDTH, Textures, sample};
+use crate::passes::deck::field::{BOUNDS_WIDTH, Textures, margin};
 use bytemuck::Pod;
 use glam::{DQuat, DVec3, Vec2};
 
@@ -120,7 +120,7 @@ fn a_millimetre_of_the_eye_moves_no_texture() {
 #[test]
 fn detail_stands_on_the_ground_while_the_eye_flies() {
     // Cloud of one shape value, so that only map and detail vary.
-    let volume = vec![[128u8; 4]; density::WIDTH * density::WIDTH * density::HEIGHT];
+    let shape = vec![128u8; density::WIDTH * density::WIDTH * density::HEIGHT];
     let bounds = vec![255u8; BOUNDS_WIDTH * BOUNDS_WIDTH];
     for (latitude_deg, longitude_deg) in [(47.0, 8.0), (-20.0, 100.0), (89.0, 40.0)] {
         let here = place(latitude_deg, longitude_deg, 1_500.0);
@@ -131,20 +131,19 @@ fn detail_stands_on_the_ground_while_the_eye_flies() {
         moved.ownship.position = from_ecef(flown);
         let plans = [plan_of(&snapshot), plan_of(&moved)];
         let eyes = [first, eye_at(&snapshot, from_ecef(flown))];
-        let volumes = vec![volume.as_slice(); plans[0].layers[0].layer.charts as usize];
-        let textures =
-            Textures { volumes: &volumes, bounds: &bounds, map: modulation::map(), detail: detail::volume() };
+        let (map, detail_volume) = (modulation::map(), detail::volume());
+        let textures = Textures { shape: &shape, lights: &[], bounds: &bounds, map, detail: detail_volume };
         let (mut change, mut detail) = (0.0f32, 0.0f32);
         for k in 0..200 {
             let (x, y) = (f64::from(k % 20) * 61.0, f64::from(k / 20) * 53.0);
             let point = from_ecef(eyes[0].ground_ecef_m + eyes[0].enu * DVec3::new(x, y, 1_500.0));
-            let margin = |i: usize, range_m: f32| {
+            let found = |i: usize, range_m: f32| {
                 let (layer, earth_m) = (&plans[i].layers[0].layer, eyes[i].earth_m as f32);
-                sample(layer, &textures, earth_m, eyes[i].place(&point), 1_500.0, range_m).margin
+                margin(layer, &textures, earth_m, eyes[i].place(&point), 1_500.0, range_m)
             };
-            change += (margin(0, 1_000.0) - margin(1, 1_000.0)).abs();
+            change += (found(0, 1_000.0) - found(1, 1_000.0)).abs();
             // Beyond its range there is no detail: the difference is the detail.
-            detail += (margin(0, 1_000.0) - margin(0, 100_000.0)).abs();
+            detail += (found(0, 1_000.0) - found(0, 100_000.0)).abs();
         }
         // The sphere that stands for the Earth has one radius in all directions, the ellipsoid two that differ by up to 0.7 %:
         // of 500 m flown that is 3.5 m at most, a sixth of a texel of 22 m.

@@ -42,10 +42,11 @@ impl ReferenceExecutor {
         let table = self.table(&plan.table);
         let most = plan.layers.iter().map(|layer| layer.light.len()).sum::<usize>().max(VOLUMES_KEPT);
         let mut volumes = Vec::new();
-        let mut bounds = Vec::new();
+        let (mut bounds, mut shapes) = (Vec::new(), Vec::new());
         for layer in &plan.layers {
             volumes.push(layer.light.iter().map(|l| self.volume(layer.kind, l, most)).collect::<Vec<_>>());
             bounds.push(self.bounds(layer.kind));
+            shapes.push(DensityVolume::of(layer.kind));
         }
         let slices: Vec<Vec<&[[u8; 4]]>> = volumes.iter().map(|v| v.iter().map(|t| t.as_slice()).collect()).collect();
         let layers: Vec<Prepared> = plan
@@ -54,7 +55,8 @@ impl ReferenceExecutor {
             .enumerate()
             .map(|(i, layer)| {
                 let textures = Textures {
-                    volumes: &slices[i],
+                    shape: &shapes[i].shape,
+                    lights: &slices[i],
                     bounds: &bounds[i],
                     map: modulation::map(),
                     detail: detail::volume(),

@@ -9,6 +9,7 @@ use crate::encode::{Format, encode_pixels};
 use crate::frame::Pixels;
 use crate::numeric::metrics::{relative_mse, rms_of_codes};
 use crate::plan::Output;
+use crate::world::DEFAULT_QUALITY;
 use crate::world::snapshot::Quality;
 
 /// Picture formats.
@@ -23,7 +24,7 @@ const QUALITIES: [u8; 7] = [30, 50, 70, 80, 90, 95, 100];
 fn cases(run: &mut Run) -> Result<(), Stopped> {
     let size_px = run.pick([320, 180], [1280, 720]);
     let eye = EyePoint { altitude_m: 500.0, pitch_deg: 8.0, size_px, field_of_view_deg: 60.0 };
-    let quality = Quality { slices: 16, deck_scale: 2, ring_ratio: 1.5 };
+    let quality = Quality { slices: 16, deck_scale: 2, ring_ratio: 1.5, ..DEFAULT_QUALITY };
     let weather = snapshot(eye, &[layer(CloudKind::Cumulus, 1000.0, 1200.0)], quality)?;
     let size = format!("{} x {}", size_px[0], size_px[1]);
     let runs = run.pick(3, 15);

@@ -29,11 +29,11 @@ pub use timeline::{TimedCommand, Timeline};
 
 use command::ScenarioEdit;
 use player::Player;
-use snapshot::Quality;
+use snapshot::{DeckForm, Quality};
 use state::State;
 
 /// The quality of a new world.
-pub const DEFAULT_QUALITY: Quality = Quality { slices: 32, ring_ratio: 4.0, deck_scale: 1 };
+pub const DEFAULT_QUALITY: Quality = Quality { slices: 32, ring_ratio: 4.0, deck_scale: 1, deck_form: DeckForm::Auto };
 
 /// The world.
 #[derive(Clone, Debug)]
@@ -124,6 +124,7 @@ impl World {
             self.quality.ring_ratio = quality.ring_ratio.clamp(low, high);
         }
         self.quality.deck_scale = quality.deck_scale.clamp(limits::DECK_SCALE[0], limits::DECK_SCALE[1]);
+        self.quality.deck_form = quality.deck_form;
         self.quality.slices = quality.slices.clamp(limits::SLICES[0], limits::SLICES[1]);
     }
 

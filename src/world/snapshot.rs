@@ -141,6 +141,20 @@ pub struct Quality {
     /// Pixels of the picture each way to one of the deck, 1 to 4: 2 quarters the deck's cost and softens its edges by a
     /// pixel (and 3 is taken for it while the eye is inside a layer).
     pub deck_scale: u32,
+    /// How a GPU draws the deck.
+    pub deck_form: DeckForm,
     /// Ratio between the radii of neighbouring billboard rings (LOD0), above 1; nearer 1 is finer.
     pub ring_ratio: f64,
+}
+
+/// How a GPU draws the deck: the same layers, with the same result to within rounding.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum DeckForm {
+    /// Whichever measured faster (`ARCHITECTURE.md` has the figures).
+    #[default]
+    Auto,
+    /// Instanced geometry, near to far in batches with occlusion between them (deck paper 4).
+    Instanced,
+    /// One walk a pixel, front to back, in a compute pass.
+    Marched,
 }

@@ -1,17 +1,19 @@
-//! The density and light of a layer at a point; twin of the functions of the same names in `deck.wgsl`.
+//! The density and light of a layer at a point; twin of the functions of the same names in `field.wgsl`.
 
 use super::{DETAIL_FADE_M, FLASH_CAP_M, Layer, Region};
 use crate::clouds::{density, detail, modulation};
-use crate::passes::common::{CHARTS, chart_weights, smoothstep, stereographic};
+use crate::passes::common::{chart_weights, smoothstep, stereographic};
 use crate::passes::light::DIFFUSE_RANGE;
-use crate::passes::sampling::{map_repeat, volume_alpha, volume_byte, volume_rgba};
+use crate::passes::sampling::{map_repeat, volume_byte, volume_rgba};
 use glam::{Vec2, Vec3};
 
 /// What a layer's look-ups read.
 #[derive(Clone, Copy)]
 pub struct Textures<'a> {
+    /// Shape values of the genus.
+    pub shape: &'a [u8],
     /// One light volume a chart in use.
-    pub volumes: &'a [&'a [[u8; 4]]],
+    pub lights: &'a [&'a [[u8; 4]]],
     /// Upper bounds of the shape value by column (see [`column_bounds`]).
     pub bounds: &'a [u8],
     /// The 2D modulation map.
@@ -20,74 +22,41 @@ pub struct Textures<'a> {
     pub detail: &'a [u8],
 }
 
-/// How far a point of a layer is inside its cloud, and where its light is to be looked up.
-#[derive(Clone, Copy, Debug)]
-pub struct Sample {
-    /// Shape value less theta: cloud where positive, whole from the genus's edge on. Where there is certainly none, an
-    /// upper bound.
-    pub margin: f32,
-    /// Places in the light volumes, one a chart, and their weights.
-    at: [([f32; 3], f32); CHARTS],
-}
-
-impl Sample {
-    const fn outside(margin: f32) -> Self {
-        Self { margin, at: [([0.0; 3], 0.0); CHARTS] }
-    }
-
-    /// Directional, diffuse and sky light as stored (square roots).
-    pub fn light(&self, textures: &Textures) -> Vec3 {
-        let mut light = Vec3::ZERO;
-        for (volume, (at, weight)) in textures.volumes.iter().zip(&self.at) {
-            if *weight > 0.0 {
-                let [r, g, b, _] = volume_rgba(volume, density::WIDTH, density::HEIGHT, *at);
-                light += *weight * Vec3::new(r, g, b);
-            }
-        }
-        light
-    }
-}
-
 /// A bound below this is not followed up by a look: no neighbour within a step is cloud, so that it matters to nobody
 /// that it is a bound and not the value.
 const CLEAR: f32 = -0.25;
 
-/// Looks a layer up at `p` (east, north, height over the tangent plane), at height `height_m` over the sphere and range
-/// `t_m` from the eye.
-pub fn sample(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_m: f32, t_m: f32) -> Sample {
+/// How far a point is inside a layer's cloud: shape value less theta, cloud where positive, whole from the genus's edge
+/// on. Where there is certainly none, an upper bound. `p`: east, north, height over the tangent plane; `height_m` over the
+/// sphere; `t_m` its range from the eye.
+pub fn margin(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_m: f32, t_m: f32) -> f32 {
     let radius = earth_m + height_m;
     let z = stereographic(p, earth_m, radius);
     let shift = region_shift(layer, z);
     if shift >= 1.0 {
-        return Sample::outside(-1.0);
+        return -1.0;
     }
     let share = (height_m - layer.base_m) / layer.thickness_m;
     let weights = chart_weights(&layer.chart, layer.charts, p + Vec3::new(0.0, 0.0, earth_m), radius);
     // With one chart the column's bound tells most empty places before anything else is read.
     let bounded = layer.charts == 1;
-    let mut found = Sample::outside(0.0);
-    for (i, weight) in weights.iter().enumerate().take(layer.charts as usize) {
-        if *weight <= 0.0 {
-            continue;
-        }
-        let chart = &layer.chart[i];
+    let mut found = 0.0;
+    for (chart, weight) in layer.chart.iter().zip(weights).filter(|(_, weight)| *weight > 0.0) {
         let moved = chart.displacement(z);
         let tile = (Vec2::from(chart.tile_origin_m) + moved) * (1.0 / density::TILE_M);
         let most = bound(textures.bounds, tile) + 0.5 * layer.detail - layer.theta - shift;
         if bounded && most < CLEAR {
-            return Sample::outside(most);
+            return most;
         }
         let map = Vec2::from(chart.map_origin) + modulation::coordinates(moved);
         let above = layer.patchiness * map_repeat(textures.map, modulation::WIDTH, map.x, map.y);
         if bounded && most - above < CLEAR {
-            return Sample::outside(most - above);
+            return most - above;
         }
-        let at = [tile.x, tile.y, share];
-        let value = volume_alpha(textures.volumes[i], density::WIDTH, density::HEIGHT, at);
-        found.margin += weight * (value - layer.theta - above - shift);
-        found.at[i] = (at, *weight);
+        let value = volume_byte(textures.shape, density::WIDTH, density::HEIGHT, false, [tile.x, tile.y, share]);
+        found += weight * (value - layer.theta - above - shift);
     }
-    if t_m < DETAIL_FADE_M[1] && found.margin.abs() < 0.5 * layer.detail + 1.0 / layer.inverse_edge {
+    if t_m < DETAIL_FADE_M[1] && found.abs() < 0.5 * layer.detail + 1.0 / layer.inverse_edge {
         let fade = 1.0 - smoothstep(DETAIL_FADE_M[0], DETAIL_FADE_M[1], t_m);
         // In the first chart's axes, so that it stands on the ground while the eye moves.
         let moved = layer.chart[0].displacement(z);
@@ -97,9 +66,26 @@ pub fn sample(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_
             height_m / detail::TILE_M,
         ];
         let noise = volume_byte(textures.detail, detail::WIDTH, detail::WIDTH, true, q) - 0.5;
-        found.margin += layer.detail * fade * noise;
+        found += layer.detail * fade * noise;
     }
     found
+}
+
+/// Directional, diffuse and sky light as stored (square roots) at a point of a layer and its height over the sphere.
+pub fn light_at(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_m: f32) -> Vec3 {
+    let radius = earth_m + height_m;
+    let z = stereographic(p, earth_m, radius);
+    let share = (height_m - layer.base_m) / layer.thickness_m;
+    let weights = chart_weights(&layer.chart, layer.charts, p + Vec3::new(0.0, 0.0, earth_m), radius);
+    let mut light = Vec3::ZERO;
+    for ((chart, weight), volume) in layer.chart.iter().zip(weights).zip(textures.lights) {
+        if weight > 0.0 {
+            let tile = (Vec2::from(chart.tile_origin_m) + chart.displacement(z)) * (1.0 / density::TILE_M);
+            let [r, g, b, _] = volume_rgba(volume, density::WIDTH, density::HEIGHT, [tile.x, tile.y, share]);
+            light += weight * Vec3::new(r, g, b);
+        }
+    }
+    light
 }
 
 /// Luminance that a point of cloud sends towards the eye where it is opaque, cd/m2 per colour (the source function).

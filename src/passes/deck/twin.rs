@@ -1,6 +1,6 @@
 //! Twin of `deck.wgsl`: walks the crossings of a ray with slices and rings from near to far.
 
-use super::field::{Sample, Textures, phase, sample, source};
+use super::field::{Textures, light_at, margin, phase, source};
 use super::{Layer, RING_SHARE, RING_SLICES};
 use crate::clouds::slices::shells;
 use crate::passes::common::Camera;
@@ -86,6 +86,10 @@ impl Ray<'_> {
             let begin = cross(base);
             (if begin.is_finite() && (eye < base || up < 0.0) { begin } else { lowest_t }, cross(top))
         };
+        // A layer that the ray rises through is left through its top, or not met.
+        if to.is_infinite() {
+            return;
+        }
         let to = to.min(self.end_m).min(layer.extent_m / self.flat.max(1e-3));
         // Infinite where the leg does not meet the layer.
         if from >= to {
@@ -123,6 +127,8 @@ impl Ray<'_> {
                 return;
             }
         }
+        // A ray that turns inside the layer goes on from the last slice to its lowest point.
+        self.segment(prepared, &mut piece, to, gathered);
     }
 
     /// Range up to which rings carry this leg of the ray; slabs carry the rest.
@@ -150,32 +156,28 @@ impl Ray<'_> {
         }
         let mut near = piece.found.take().unwrap_or_else(|| self.look(prepared, piece.t));
         let mut at = piece.t;
-        let mut beyond = layer.reach_m * (-near.margin).max(0.0);
+        let mut beyond = layer.reach_m * (-near).max(0.0);
         for _ in 0..MOST_LOOKS {
             let shortest = shortest_step(layer, at, ds);
             let end = t.min(at + shortest + beyond);
             let far = self.look(prepared, end);
             // A long step that ends inside the cloud went too far: its edge is looked for.
-            if near.margin < 0.0 && far.margin > 0.0 && beyond > shortest {
+            if near < 0.0 && far > 0.0 && beyond > shortest {
                 beyond *= 0.4;
                 continue;
             }
-            let whole = mean_clamped(near.margin * layer.inverse_edge, far.margin * layer.inverse_edge);
+            let whole = mean_clamped(near * layer.inverse_edge, far * layer.inverse_edge);
             if whole > 0.0 {
-                // Of the two ends, each by how deep it lies in the cloud.
-                let (a, b) = (near.margin.max(0.0), far.margin.max(0.0));
-                let end_light = |end: &Sample, weight: f32| {
-                    if weight > 0.0 { end.light(&prepared.textures) * (weight / (a + b)) } else { Vec3::ZERO }
-                };
-                let light = end_light(&near, a) + end_light(&far, b);
-                self.gather(prepared, 0.5 * (at + end), (end - at) * whole, light, gathered);
+                // Between the two ends, each by how deep it lies in the cloud.
+                let share = far.max(0.0) / (near.max(0.0) + far.max(0.0));
+                self.gather(prepared, at + (end - at) * share, (end - at) * whole, gathered);
             }
             near = far;
             if gathered.transmittance < OPAQUE || end >= t {
                 break;
             }
             at = end;
-            beyond = layer.reach_m * (-near.margin).max(0.0);
+            beyond = layer.reach_m * (-near).max(0.0);
         }
         *piece = End { t, found: Some(near) };
     }
@@ -188,20 +190,21 @@ impl Ray<'_> {
         rings_carry(layer, layer.spacing_m / sine, t, t * self.flat)
     }
 
-    fn look(&self, prepared: &Prepared, t: f32) -> Sample {
+    fn look(&self, prepared: &Prepared, t: f32) -> f32 {
         let p = self.direction * t + Vec3::new(0.0, 0.0, self.camera.eye_m);
         let height = self.camera.height_at(self.direction.z, t);
-        sample(prepared.layer, &prepared.textures, self.camera.earth_m, p, height, t)
+        margin(prepared.layer, &prepared.textures, self.camera.earth_m, p, height, t)
     }
 
-    /// Adds cloud of a given path length at full extinction.
-    fn gather(&self, prepared: &Prepared, t: f32, path_m: f32, light: Vec3, gathered: &mut Gathered) {
+    /// Adds cloud of a given path length at full extinction, as it is lit at range `t`.
+    fn gather(&self, prepared: &Prepared, t: f32, path_m: f32, gathered: &mut Gathered) {
         let layer = prepared.layer;
         let height = self.camera.height_at(self.direction.z, t);
         let alpha = 1.0 - (-layer.extinction_per_m * path_m).exp();
         let p = self.direction * t + Vec3::new(0.0, 0.0, self.camera.eye_m);
         let phase = phase(self.direction.dot(Vec3::from(layer.light_direction)));
         let passed = self.camera.air_transmittance(height, t);
+        let light = light_at(layer, &prepared.textures, self.camera.earth_m, p, height);
         let seen = source(layer, light, phase, p, height) * passed + self.air * (1.0 - passed);
         gathered.luminance += seen * (alpha * gathered.transmittance);
         gathered.transmittance *= 1.0 - alpha;
@@ -231,7 +234,7 @@ const HALVINGS: u32 = 10;
 /// Where a piece of the ray ended, and what was found there.
 struct End {
     t: f32,
-    found: Option<Sample>,
+    found: Option<f32>,
 }
 
 /// Mean of clamp(m, 0, 1) while m runs evenly from `a` to `b` (pre-integration: a slab that cloud enters half-way

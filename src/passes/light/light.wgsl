@@ -31,7 +31,7 @@ const DIFFUSE_RANGE: f32 = 5.0;
 @group(0) @binding(3) var<storage, read_write> above: array<vec2<f32>>;
 // The same below, for two slices in turn.
 @group(0) @binding(4) var<storage, read_write> below: array<vec2<f32>>;
-@group(0) @binding(5) var volume: texture_storage_3d<rgba16float, write>;
+@group(0) @binding(5) var volume: texture_storage_3d<rgba8unorm, write>;
 
 fn extinction_of(value: f32) -> f32 {
     return light.extinction_per_m * clamp((value - light.theta) * light.inverse_edge, 0.0, 1.0);
@@ -126,7 +126,6 @@ fn light_up(@builtin(global_invocation_id) id: vec3<u32>) {
     let diffuse = slab(over.x * mu, under.x * mu + own, mu) / DIFFUSE_RANGE;
     let from_sky = slab(over.y, under.y + own, 2.0 / 3.0) / DIFFUSE_RANGE;
     let shares = sqrt(clamp(vec3<f32>(forward, diffuse, from_sky), vec3<f32>(0.0), vec3<f32>(1.0)));
-    // Rounded to 8 bits as the twin stores it, but kept in f16: some samplers weigh 8-bit texels in 8 bits, and the
-    // threshold would make that error visible.
+    // Rounded as the twin rounds, which is not left to the device.
     textureStore(volume, vec3<i32>(x, y, z), vec4<f32>(floor(shares * 255.0 + 0.5) / 255.0, value));
 }

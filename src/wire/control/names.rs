@@ -2,6 +2,7 @@
 
 use crate::clouds::CloudKind;
 use crate::world::command::{FlashKind, Polarity};
+use crate::world::snapshot::DeckForm;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -72,5 +73,17 @@ mirrored! {
         Negative,
         /// Rarer, stronger, mostly of one stroke.
         Positive,
+    }
+}
+
+mirrored! {
+    /// How a GPU draws the deck.
+    DeckFormName = DeckForm {
+        /// Whichever measured faster.
+        Auto,
+        /// Instanced geometry.
+        Instanced,
+        /// One walk a pixel.
+        Marched,
     }
 }

@@ -2,7 +2,7 @@
 
 mod convert;
 
-use super::super::names::{CloudType, FlashType, PolarityName};
+use super::super::names::{CloudType, DeckFormName, FlashType, PolarityName};
 use super::super::view::ExposureJson;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -39,6 +39,8 @@ pub struct StateMessage {
     pub slices: u32,
     /// Pixels of the picture each way to one of the deck.
     pub deck_scale: u32,
+    /// How a GPU draws the deck.
+    pub deck_form: DeckFormName,
     /// Ratio between the radii of neighbouring billboard rings.
     pub ring_ratio: f64,
     /// The scenario player.

@@ -7,7 +7,7 @@ use crate::wire::control::{decode_outbound, encode};
 use crate::world::World;
 use crate::world::command::{Command, Exposure, FlashKind, LayerSpec, Polarity, RegionShape, WeatherEdit};
 use crate::world::event::Event;
-use crate::world::snapshot::{FlashState, Snapshot};
+use crate::world::snapshot::{DeckForm, FlashState, Snapshot};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -101,6 +101,7 @@ fn every_part_of_a_snapshot_is_in_the_state_message() {
         ("moon", |s| s.sky.moon_lit_fraction *= 0.5),
         ("slices", |s| s.quality.slices += 1),
         ("deck scale", |s| s.quality.deck_scale += 1),
+        ("deck form", |s| s.quality.deck_form = DeckForm::Instanced),
         ("ring ratio", |s| s.quality.ring_ratio += 0.1),
     ];
     let plain = message(&example());

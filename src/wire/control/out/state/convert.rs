@@ -27,6 +27,7 @@ impl StateMessage {
             sky: SkyOut::seen_from(&snapshot.ownship.position, &snapshot.sky),
             slices: snapshot.quality.slices,
             deck_scale: snapshot.quality.deck_scale,
+            deck_form: snapshot.quality.deck_form.into(),
             ring_ratio: snapshot.quality.ring_ratio,
             player,
         }

@@ -1,0 +1,50 @@
+//! The layers of a plan on the device: parameters, volumes, and which variant of the shaders they need.
+
+use super::device::Gpu;
+use super::frame::group;
+use super::pipelines::{DeckVariant, Pipelines};
+use super::resident::{Resident, VOLUMES_KEPT};
+use crate::plan::{FramePlan, LayerPlan};
+
+/// One layer ready to be drawn.
+pub struct Deck {
+    /// What of the shaders it needs.
+    pub variant: DeckVariant,
+    /// Its parameters and textures.
+    pub group: wgpu::BindGroup,
+}
+
+/// The layers of a plan, in its order.
+pub fn decks(gpu: &Gpu, pipelines: &Pipelines, resident: &mut Resident, plan: &FramePlan) -> Vec<Deck> {
+    // Fewer than one picture needs would be made anew for each picture.
+    let most = plan.layers.iter().map(|layer| layer.light.len()).sum::<usize>().max(VOLUMES_KEPT);
+    plan.layers.iter().map(|layer| deck(gpu, pipelines, resident, layer, most)).collect()
+}
+
+fn deck(gpu: &Gpu, pipelines: &Pipelines, resident: &mut Resident, layer: &LayerPlan, most_volumes: usize) -> Deck {
+    let volumes: Vec<_> =
+        layer.light.iter().map(|l| resident.volume(gpu, pipelines, layer.kind, l, most_volumes)).collect();
+    let shape = resident.shape(gpu, layer.kind);
+    let parameters = gpu.buffer("layer", bytemuck::bytes_of(&layer.layer), wgpu::BufferUsages::STORAGE);
+    let volume = |i: usize| wgpu::BindingResource::TextureView(volumes.get(i).unwrap_or(&volumes[0]));
+    let group = group(
+        gpu,
+        &pipelines.deck_layout,
+        &[
+            parameters.as_entire_binding(),
+            wgpu::BindingResource::TextureView(&shape.values),
+            volume(0),
+            volume(1),
+            volume(2),
+            wgpu::BindingResource::TextureView(&shape.bounds),
+            wgpu::BindingResource::TextureView(&resident.detail),
+            wgpu::BindingResource::Sampler(&resident.tiled),
+        ],
+    );
+    let variant = DeckVariant {
+        several_charts: layer.layer.charts > 1,
+        regions: layer.layer.regions > 0,
+        flashes: layer.layer.flashes > 0,
+    };
+    Deck { variant, group }
+}

@@ -1,0 +1,314 @@
+// The deck at a point: density, light, and which surfaces carry a ray. Stands before both forms of the pass. Twin: field.rs.
+
+struct Region {
+    centre_m: vec2<f32>,
+    rotation: vec2<f32>,
+    core_m: vec2<f32>,
+    corner_m: f32,
+    inverse_transition: f32,
+    presence: f32,
+    pad0: f32,
+    pad1: f32,
+    pad2: f32,
+}
+
+struct Layer {
+    light_lux: vec3<f32>,
+    base_m: f32,
+    light_direction: vec3<f32>,
+    thickness_m: f32,
+    sky_lux: vec3<f32>,
+    extinction_per_m: f32,
+    ground_lux: vec3<f32>,
+    inverse_edge: f32,
+    theta: f32,
+    patchiness: f32,
+    spacing_m: f32,
+    ring_ratio: f32,
+    ring_first_m: f32,
+    ring_last_m: f32,
+    extent_m: f32,
+    detail: f32,
+    charts: u32,
+    regions: u32,
+    flashes: u32,
+    region: u32,
+    detail_origin: vec2<f32>,
+    reach_m: f32,
+    step_m: f32,
+    chart: array<Chart, 3>,
+    outline: array<Region, 4>,
+    flash: array<Flash, 8>,
+}
+
+// What a scene does not need is not in its pipeline.
+override SEVERAL_CHARTS: bool = true;
+override REGIONS: bool = true;
+override FLASHES: bool = true;
+
+const TILE_M: f32 = 16000.0;
+const DETAIL_TILE_M: f32 = 1397.0;
+const DETAIL_NEAR_M: f32 = 2500.0;
+const DETAIL_FAR_M: f32 = 9000.0;
+const DIFFUSE_RANGE: f32 = 5.0;
+const MOST_STEPS: u32 = 96u;
+const MOST_LOOKS: u32 = 192u;
+const RETREAT: f32 = 0.4;
+const HALVINGS: u32 = 10u;
+const CLEAR: f32 = -0.25;
+const RING_SHARE: f32 = 0.11;
+const RING_SLICES: f32 = 6.0;
+const PER_STERADIAN: f32 = 0.07957747;
+
+@group(1) @binding(0) var<storage, read> layer: Layer;
+@group(1) @binding(1) var shape: texture_3d<f32>;
+@group(1) @binding(2) var light0: texture_3d<f32>;
+@group(1) @binding(3) var light1: texture_3d<f32>;
+@group(1) @binding(4) var light2: texture_3d<f32>;
+@group(1) @binding(5) var bounds: texture_2d<f32>;
+@group(1) @binding(6) var detail: texture_3d<f32>;
+@group(1) @binding(7) var tiled: sampler;
+
+fn region_presence(region: Region, z: vec2<f32>) -> f32 {
+    let d = z - region.centre_m;
+    let r = region.rotation;
+    let q = abs(vec2<f32>(r.x * d.x + r.y * d.y, r.x * d.y - r.y * d.x)) - region.core_m;
+    let outside = length(max(q, vec2<f32>(0.0))) + min(max(q.x, q.y), 0.0) - region.corner_m;
+    return region.presence * (1.0 - smoothstep(0.0, 1.0, outside * region.inverse_transition));
+}
+
+fn region_shift(z: vec2<f32>) -> f32 {
+    var there = 1.0;
+    for (var i = 0u; i < layer.regions; i++) {
+        let inside = region_presence(layer.outline[i], z);
+        if layer.region == 0u {
+            there *= 1.0 - inside;
+        } else if layer.region == i + 1u {
+            there = inside;
+        }
+    }
+    return 1.0 - there;
+}
+
+fn shape_at(at: vec3<f32>) -> f32 {
+    return textureSampleLevel(shape, tiled, at, 0.0).r;
+}
+
+fn stored_light(chart: u32, at: vec3<f32>) -> vec3<f32> {
+    if chart == 0u {
+        return textureSampleLevel(light0, tiled, at, 0.0).rgb;
+    }
+    if chart == 1u {
+        return textureSampleLevel(light1, tiled, at, 0.0).rgb;
+    }
+    return textureSampleLevel(light2, tiled, at, 0.0).rgb;
+}
+
+fn bound_at(tile: vec2<f32>) -> f32 {
+    let cell = vec2<u32>((tile - floor(tile)) * 128.0) & vec2<u32>(127u);
+    return textureLoad(bounds, cell, 0).r;
+}
+
+fn fine(z: vec2<f32>, height: f32, t: f32) -> f32 {
+    let fade = 1.0 - smoothstep(DETAIL_NEAR_M, DETAIL_FAR_M, t);
+    // In the first chart's axes, so that it stands on the ground while the eye moves.
+    let moved = displacement(layer.chart[0].a, layer.chart[0].c, z);
+    let at = vec3<f32>(layer.detail_origin + moved / DETAIL_TILE_M, height / DETAIL_TILE_M);
+    return layer.detail * fade * (textureSampleLevel(detail, repeated, at, 0.0).r - 0.5);
+}
+
+fn near_edge(margin: f32, t: f32) -> bool {
+    return t < DETAIL_FAR_M && abs(margin) < 0.5 * layer.detail + 1.0 / layer.inverse_edge;
+}
+
+// The lead of a chart over the others at a direction from the Earth's centre: its weight, before the sum is made one.
+fn chart_lead(chart: u32, from_centre: vec3<f32>, best: f32) -> f32 {
+    return max(layer.chart[chart].zone + dot(from_centre, layer.chart[chart].w) - best, 0.0);
+}
+
+fn best_chart(from_centre: vec3<f32>) -> f32 {
+    var best = -1.0;
+    for (var i = 0u; i < layer.charts; i++) {
+        best = max(best, dot(from_centre, layer.chart[i].w));
+    }
+    return best;
+}
+
+// The margin of the shape value over theta: cloud where positive. Where there is certainly none, an upper bound.
+fn look(direction: vec3<f32>, t: f32) -> f32 {
+    let p = direction * t + vec3<f32>(0.0, 0.0, camera.eye_m);
+    let height = height_at(direction.z, t);
+    let radius = camera.earth_m + height;
+    let z = stereographic(p, radius);
+    var shift = 0.0;
+    if REGIONS {
+        shift = region_shift(z);
+        if shift >= 1.0 {
+            return -1.0;
+        }
+    }
+    let share = (height - layer.base_m) / layer.thickness_m;
+    var found = 0.0;
+    if SEVERAL_CHARTS {
+        let from_centre = (p + vec3<f32>(0.0, 0.0, camera.earth_m)) / radius;
+        let best = best_chart(from_centre);
+        var sum = 0.0;
+        for (var i = 0u; i < layer.charts; i++) {
+            let weight = chart_lead(i, from_centre, best);
+            if weight > 0.0 {
+                let moved = displacement(layer.chart[i].a, layer.chart[i].c, z);
+                let tile = (layer.chart[i].tile_origin_m + moved) * (1.0 / TILE_M);
+                let place = layer.chart[i].map_origin + map_coordinates(moved);
+                let theta = layer.theta + layer.patchiness * textureSampleLevel(map, repeated, place, 0.0).r + shift;
+                found += weight * (shape_at(vec3<f32>(tile, share)) - theta);
+                sum += weight;
+            }
+        }
+        found /= sum;
+    } else {
+        let moved = displacement(layer.chart[0].a, layer.chart[0].c, z);
+        let tile = (layer.chart[0].tile_origin_m + moved) * (1.0 / TILE_M);
+        let most = bound_at(tile) + 0.5 * layer.detail - layer.theta - shift;
+        if most < CLEAR {
+            return most;
+        }
+        let place = layer.chart[0].map_origin + map_coordinates(moved);
+        let raised = layer.patchiness * textureSampleLevel(map, repeated, place, 0.0).r;
+        if most - raised < CLEAR {
+            return most - raised;
+        }
+        found = shape_at(vec3<f32>(tile, share)) - (layer.theta + raised + shift);
+    }
+    if near_edge(found, t) {
+        found += fine(z, height, t);
+    }
+    return found;
+}
+
+// Directional, diffuse and sky light as stored (square roots) at a point and its height.
+fn light_at(p: vec3<f32>, height: f32) -> vec3<f32> {
+    let radius = camera.earth_m + height;
+    let z = stereographic(p, radius);
+    let share = (height - layer.base_m) / layer.thickness_m;
+    if !SEVERAL_CHARTS {
+        let moved = displacement(layer.chart[0].a, layer.chart[0].c, z);
+        return stored_light(0u, vec3<f32>((layer.chart[0].tile_origin_m + moved) * (1.0 / TILE_M), share));
+    }
+    let from_centre = (p + vec3<f32>(0.0, 0.0, camera.earth_m)) / radius;
+    let best = best_chart(from_centre);
+    var found = vec3<f32>(0.0);
+    var sum = 0.0;
+    for (var i = 0u; i < layer.charts; i++) {
+        let weight = chart_lead(i, from_centre, best);
+        if weight > 0.0 {
+            let moved = displacement(layer.chart[i].a, layer.chart[i].c, z);
+            let tile = (layer.chart[i].tile_origin_m + moved) * (1.0 / TILE_M);
+            found += weight * stored_light(i, vec3<f32>(tile, share));
+            sum += weight;
+        }
+    }
+    return found / sum;
+}
+
+fn phase(cosine: f32) -> f32 {
+    let f = vec2<f32>(0.70, -0.25);
+    let d = 1.0 + f * f - 2.0 * f * cosine;
+    let lobes = 1.5 * (1.0 - f * f) / (2.0 + f * f) * (1.0 + cosine * cosine) / (d * sqrt(d));
+    return PER_STERADIAN * dot(lobes, vec2<f32>(0.75, 0.25));
+}
+
+// Luminance that a point of cloud sends towards the eye where it is opaque.
+fn source(stored: vec3<f32>, along: f32, p: vec3<f32>, height: f32) -> vec3<f32> {
+    let shares = stored * stored;
+    let below = clamp(1.0 - (height - layer.base_m) / layer.thickness_m, 0.0, 1.0);
+    var light = layer.light_lux * (along * shares.x + DIFFUSE_RANGE * PER_STERADIAN * shares.y)
+        + layer.sky_lux * (DIFFUSE_RANGE * shares.z) + layer.ground_lux * (below * below);
+    if FLASHES {
+        for (var i = 0u; i < layer.flashes; i++) {
+            let away = p - layer.flash[i].position_m;
+            let d2 = max(dot(away, away), FLASH_CAP_M * FLASH_CAP_M);
+            light += FLASH_COLOUR * (layer.flash[i].intensity / d2);
+        }
+    }
+    return light;
+}
+
+// Whether rings carry the ray at a range; slabs carry what follows.
+fn carried(up: f32, flat_share: f32, t: f32) -> bool {
+    let r = camera.earth_m + camera.eye_m;
+    let sine = max(abs((r * up + t) / (camera.earth_m + height_at(up, t))), 1e-4);
+    let slice_ds = layer.spacing_m / sine;
+    return slice_ds > t * RING_SHARE + RING_SLICES * layer.spacing_m && t * flat_share < layer.ring_last_m;
+}
+
+// The range between two at which slabs take over from rings.
+fn switch_between(up: f32, flat_share: f32, near_t: f32, far_t: f32) -> f32 {
+    var near = near_t;
+    var far = far_t;
+    for (var i = 0u; i < HALVINGS; i++) {
+        let middle = 0.5 * (near + far);
+        if carried(up, flat_share, middle) {
+            near = middle;
+        } else {
+            far = middle;
+        }
+    }
+    return 0.5 * (near + far);
+}
+
+fn clamp_sum(m: f32) -> f32 {
+    let c = clamp(m, 0.0, 1.0);
+    return 0.5 * c * c + max(m - 1.0, 0.0);
+}
+
+// Mean of clamp(m, 0, 1) while m runs evenly from a to b.
+fn mean_clamped(a: f32, b: f32) -> f32 {
+    if abs(b - a) < 1e-4 {
+        return clamp(0.5 * (a + b), 0.0, 1.0);
+    }
+    return (clamp_sum(b) - clamp_sum(a)) / (b - a);
+}
+
+// What a step of the walk adds: light towards the eye as the air lets it pass, the share of it that the air hides, and
+// its opacity.
+struct Seen {
+    light: vec3<f32>,
+    hidden: f32,
+    alpha: f32,
+}
+
+fn shortest_step(at: f32, least: f32) -> f32 {
+    return max(layer.step_m + 0.025 * at, least);
+}
+
+// How far beyond the shortest step a look that found no cloud may go.
+fn clear_reach(margin: f32) -> f32 {
+    return layer.reach_m * max(-margin, 0.0);
+}
+
+// The cloud between two looks at ranges `at` and `end`, which found the margins `near` and `far`; `along` is the phase
+// function for the light's own direction.
+fn seen_between(direction: vec3<f32>, along: f32, near: f32, far: f32, at: f32, end: f32) -> Seen {
+    var seen = Seen(vec3<f32>(0.0), 0.0, 0.0);
+    let whole = mean_clamped(near * layer.inverse_edge, far * layer.inverse_edge);
+    if whole > 0.0 {
+        // Between the two ends, each by how deep it lies in the cloud.
+        let t = mix(at, end, max(far, 0.0) / (max(near, 0.0) + max(far, 0.0)));
+        let height = height_at(direction.z, t);
+        let p = direction * t + vec3<f32>(0.0, 0.0, camera.eye_m);
+        let passed = air_transmittance(height, t);
+        seen.alpha = 1.0 - exp(-layer.extinction_per_m * (end - at) * whole);
+        seen.light = source(light_at(p, height), along, p, height) * (passed * seen.alpha);
+        seen.hidden = (1.0 - passed) * seen.alpha;
+    }
+    return seen;
+}
+
+// Exposed light of the deck and of the air before it, and opacity.
+fn exposed(direction: vec3<f32>, gathered: vec3<f32>, hidden: f32, opacity: f32) -> vec4<f32> {
+    var light = gathered;
+    if hidden > 0.0 {
+        light += endless_air(air_along(direction)) * hidden;
+    }
+    return vec4<f32>(min(light * camera.exposure, vec3<f32>(BRIGHTEST)), opacity);
+}

@@ -1,0 +1,156 @@
+// The deck as one walk a pixel, front to back, over the same pieces as the instanced form. One dispatch is one layer on the
+// way down or on the way up. Twin: twin.rs.
+
+// Rays on the way down, to their lowest point; otherwise those that rise, or rise beyond it.
+override FALLING: bool = false;
+
+// What nearer layers have gathered, and the same with this one.
+@group(2) @binding(0) var before: texture_2d<f32>;
+@group(2) @binding(1) var after: texture_storage_2d<rgba16float, write>;
+
+// Slices that share a shell, as in clouds::slices.
+const GROUP: f32 = 8.0;
+// Looks along one leg at most: far more than any takes.
+const LEG_LOOKS: u32 = 4096u;
+
+// The end of the layer's next piece beyond `at`: a ring, the range at which slabs take over, or a shell.
+struct Piece {
+    end: f32,
+    ring: f32,
+    shell: f32,
+}
+
+struct Leg {
+    begin: f32,
+    end: f32,
+    // Rings carry the ray up to here.
+    rings_end: f32,
+    up: f32,
+    flat_share: f32,
+}
+
+fn crossing(up: f32, height: f32) -> f32 {
+    let t = crossings(up, height);
+    return select(t.y, t.x, FALLING);
+}
+
+fn leg_of(up: f32) -> Leg {
+    let flat_share = max(sqrt(max(1.0 - up * up, 0.0)), 1e-4);
+    let top = layer.base_m + layer.thickness_m;
+    let lowest = max(-(camera.earth_m + camera.eye_m) * up, 0.0);
+    let base_t = crossing(up, layer.base_m);
+    var begin = 0.0;
+    var end = 0.0;
+    if FALLING {
+        if camera.eye_m > top {
+            begin = crossing(up, top);
+        }
+        end = select(min(base_t, lowest), 0.0, up >= 0.0);
+    } else {
+        begin = select(lowest, base_t, base_t < FAR && (camera.eye_m < layer.base_m || up < 0.0));
+        end = crossing(up, top);
+    }
+    // A layer that the ray rises through is left through its top, or not met.
+    end = select(end, 0.0, end >= FAR);
+    end = min(min(end, layer.extent_m / max(flat_share, 1e-3)), crossings(up, 0.0).x);
+    var rings_end = begin;
+    if begin < end && carried(up, flat_share, begin) {
+        rings_end = end;
+        if !carried(up, flat_share, end) {
+            rings_end = switch_between(up, flat_share, begin, end);
+        }
+    }
+    return Leg(begin, end, rings_end, up, flat_share);
+}
+
+fn shell_count() -> f32 {
+    let slices = max(round(layer.thickness_m / layer.spacing_m) + 1.0, 2.0);
+    return max(ceil(slices / GROUP), 2.0);
+}
+
+fn ring_end(leg: Leg, ring: f32) -> f32 {
+    let radius = layer.ring_first_m * pow(layer.ring_ratio, ring);
+    let there = ring == 0.0 || radius < layer.ring_last_m * layer.ring_ratio;
+    return select(FAR, min(radius, layer.ring_last_m) / leg.flat_share, there);
+}
+
+fn next_piece(leg: Leg, at: f32, last: Piece) -> Piece {
+    var piece = last;
+    if at < leg.rings_end {
+        for (var end = 0.0; end <= at && end < FAR; piece.ring += 1.0) {
+            end = ring_end(leg, piece.ring);
+            piece.end = min(end, leg.rings_end);
+        }
+        return piece;
+    }
+    let shells = shell_count();
+    piece.end = leg.end;
+    for (var found = false; !found && piece.shell < shells; piece.shell += 1.0) {
+        let share = select(piece.shell, shells - 1.0 - piece.shell, FALLING) / (shells - 1.0);
+        let t = crossing(leg.up, layer.base_m + share * layer.thickness_m);
+        found = t > at && t < FAR;
+        if found {
+            piece.end = min(t, leg.end);
+        }
+    }
+    return piece;
+}
+
+@compute @workgroup_size(8, 8)
+fn deck_march(@builtin(global_invocation_id) id: vec3<u32>) {
+    let there = vec2<f32>(id.xy) + 0.5;
+    let direction = ray_of(there);
+    let nearer = textureLoad(before, id.xy, 0);
+    let leg = leg_of(direction.z);
+    var transmittance = 1.0 - nearer.a;
+    // No return stands before the loop: lavapipe lets a loop run to its end for pixels that have returned.
+    var going = leg.begin < leg.end && transmittance >= OPAQUE;
+    var at = leg.begin;
+    var piece = Piece(0.0, 0.0, 0.0);
+    var least = 0.0;
+    var near = -1.0;
+    if going {
+        let first = log(max(at * leg.flat_share / layer.ring_first_m, 1e-6)) / log(layer.ring_ratio);
+        piece.ring = max(ceil(first), 0.0);
+        piece = next_piece(leg, at, piece);
+        least = (piece.end - at) * (1.0 / f32(MOST_STEPS));
+        near = look(direction, at);
+    }
+    let along = phase(dot(direction, layer.light_direction));
+    var beyond = clear_reach(near);
+    var light = vec3<f32>(0.0);
+    var hidden = 0.0;
+    var looks = 0u;
+    for (var i = 0u; going && i < LEG_LOOKS; i++) {
+        let shortest = shortest_step(at, least);
+        let end = min(piece.end, at + shortest + beyond);
+        let far = look(direction, end);
+        looks += 1u;
+        if near < 0.0 && far > 0.0 && beyond > shortest {
+            // A long step that ends inside the cloud went too far: its edge is looked for.
+            beyond *= RETREAT;
+        } else {
+            let seen = seen_between(direction, along, near, far, at, end);
+            light += seen.light * transmittance;
+            hidden += seen.hidden * transmittance;
+            transmittance *= 1.0 - seen.alpha;
+            near = far;
+            at = end;
+            beyond = clear_reach(near);
+        }
+        if at >= piece.end || looks >= MOST_LOOKS {
+            at = piece.end;
+            looks = 0u;
+            going = transmittance >= OPAQUE && at < leg.end;
+            if going {
+                piece = next_piece(leg, at, piece);
+                least = (piece.end - at) * (1.0 / f32(MOST_STEPS));
+            }
+        }
+        going = going && transmittance >= OPAQUE;
+    }
+    let own = exposed(direction, light, hidden, 1.0 - nearer.a - transmittance);
+    if there.x < camera.width_px && there.y < camera.height_px {
+        textureStore(after, id.xy, nearer + own);
+    }
+}
