@@ -2,7 +2,7 @@
 
 mod scenarios;
 
-pub use scenarios::BUILT_IN_SCENARIOS;
+pub use scenarios::{BUILT_IN_SCENARIOS, built_in, text_of};
 
 use crate::wire::control::names::DeckFormName;
 use crate::wire::json::{self, Complaint, Node, Problem, Rule, Size};

@@ -1,12 +1,9 @@
 //! Scenarios by file or by the name of a built-in one, with everything that is wrong with them.
 
 use super::Failure;
-use crate::settings::BUILT_IN_SCENARIOS;
+use crate::settings::{self, BUILT_IN_SCENARIOS, built_in};
 use crate::wire::{limits, scenario};
-use crate::world::World;
 use crate::world::timeline::Timeline;
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
 /// The scenario called `name`: a built-in one, or else a file.
@@ -26,21 +23,9 @@ pub(super) fn read(name: &str) -> Result<Timeline, Failure> {
     timeline(&text).map_err(|complaints| Failure::Input(listed(name, &complaints)))
 }
 
-/// The text of a built-in scenario.
-fn built_in(name: &str) -> Option<&'static str> {
-    BUILT_IN_SCENARIOS.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
-}
-
-/// The timeline of a scenario's text, or everything that is wrong with it: first its form, then what the world refuses.
+/// The timeline of a scenario's text, or everything that is wrong with it.
 pub(super) fn timeline(text: &str) -> Result<Timeline, Vec<String>> {
-    let timeline =
-        scenario::parse(text).map_err(|complaints| complaints.iter().map(ToString::to_string).collect::<Vec<_>>())?;
-    let complaint = |(index, refused): (usize, crate::world::event::Refused)| match timeline.entries.get(index) {
-        Some(entry) => format!("entries[{index}] (at {} s): {refused}", entry.at_s),
-        None => refused.to_string(),
-    };
-    let refused: Vec<String> = World::validate(&timeline).into_iter().map(complaint).collect();
-    if refused.is_empty() { Ok(timeline) } else { Err(refused) }
+    scenario::parse(text).map_err(|complaints| complaints.iter().map(ToString::to_string).collect())
 }
 
 /// Complaints about one file, one a line.
@@ -54,15 +39,7 @@ pub(super) fn listed(name: &str, complaints: &[String]) -> String {
 /// # Errors
 /// [`Failure::Input`]: not readable, too long, or not UTF-8.
 pub(super) fn text_of(path: &Path, most: usize) -> Result<String, Failure> {
-    let wrong = |why: String| Failure::Input(format!("{}: {why}", path.display()));
-    let file = File::open(path).map_err(|error| wrong(format!("cannot be read: {error}")))?;
-    let mut bytes = Vec::new();
-    // One byte more than allowed tells a file that is too long, however long it is (or never ends).
-    file.take(most as u64 + 1).read_to_end(&mut bytes).map_err(|error| wrong(format!("cannot be read: {error}")))?;
-    if bytes.len() > most {
-        return Err(wrong(format!("longer than {most} bytes")));
-    }
-    String::from_utf8(bytes).map_err(|error| wrong(format!("not UTF-8 from byte {}", error.utf8_error().valid_up_to())))
+    settings::text_of(path, most).map_err(|why| Failure::Input(format!("{}: {why}", path.display())))
 }
 
 #[cfg(test)]

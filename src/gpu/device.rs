@@ -3,6 +3,11 @@
 use crate::plan::executor::Fault;
 use std::sync::{Arc, Mutex};
 
+/// Bytes of one row of a picture in a buffer, as copies from textures want it.
+pub fn row_bytes(width_px: u32, texel: u32) -> u32 {
+    (width_px * texel).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT)
+}
+
 /// An open device.
 pub struct Gpu {
     pub device: wgpu::Device,
@@ -40,6 +45,8 @@ impl Gpu {
             label: Some("stormdeck"),
             required_limits: wgpu::Limits {
                 max_texture_dimension_2d: adapter.limits().max_texture_dimension_2d,
+                // The light of the largest picture is read back through one buffer of 512 MiB.
+                max_buffer_size: adapter.limits().max_buffer_size,
                 ..wgpu::Limits::default()
             },
             ..Default::default()
@@ -56,7 +63,12 @@ impl Gpu {
         let (lost, failed) = (report(&trouble), report(&trouble));
         device
             .set_device_lost_callback(move |reason, message| lost(Fault::DeviceLost(format!("{reason:?}: {message}"))));
-        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| failed(Fault::DeviceLost(error.to_string()))));
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            failed(match error {
+                wgpu::Error::Internal { description, .. } => Fault::DeviceLost(description),
+                refused => Fault::Rejected(refused.to_string()),
+            });
+        }));
         Ok(Self { device, queue, name, light_format, trouble, instance })
     }
 
@@ -66,6 +78,24 @@ impl Gpu {
             Some(fault) => Err(fault.clone()),
             None => Ok(()),
         }
+    }
+
+    /// Whether a picture of this size can be drawn and read back, `texel` bytes for each pixel.
+    ///
+    /// # Errors
+    /// [`Fault::Unsupported`], before the device has been asked for anything.
+    pub fn fits(&self, size_px: [u32; 2], texel: u32) -> Result<(), Fault> {
+        let (limits, [width, height]) = (self.device.limits(), size_px);
+        let refused = |what: String| Err(Fault::Unsupported(format!("a picture of {width}x{height} {what}")));
+        let side = limits.max_texture_dimension_2d;
+        if width > side || height > side {
+            return refused(format!("is too large: at most {side} pixels a side"));
+        }
+        let bytes = u64::from(row_bytes(width, texel)) * u64::from(height);
+        if bytes > limits.max_buffer_size {
+            return refused(format!("needs a buffer of {bytes} bytes: at most {}", limits.max_buffer_size));
+        }
+        Ok(())
     }
 
     /// Buffers, textures, views and bind groups that somebody holds, as wgpu itself counts them.

@@ -20,8 +20,8 @@ mod textures;
 #[cfg(test)]
 mod tests;
 
-use crate::plan::FramePlan;
 use crate::plan::executor::{Executor, Fault, Finished};
+use crate::plan::{FramePlan, Output};
 use device::Gpu;
 use pipelines::Pipelines;
 use resident::Resident;
@@ -71,6 +71,11 @@ impl Executor for GpuExecutor {
 
     fn submit(&mut self, ticket: u64, plan: &FramePlan) -> Result<(), Fault> {
         self.gpu.check()?;
+        let texel = match plan.output {
+            Output::Srgb8 => targets::PICTURE_FORMAT,
+            Output::LinearRgb => self.gpu.light_format,
+        };
+        self.gpu.fits(plan.size_px, texel.block_copy_size(None).unwrap_or(8))?;
         frame::submit(self, ticket, plan);
         self.gpu.check()
     }

@@ -1,7 +1,7 @@
 //! The read-back ring: pictures are copied into mappable buffers and fetched when they are ready, so that the renderer
 //! never waits for the one it has just drawn.
 
-use super::device::Gpu;
+use super::device::{Gpu, row_bytes};
 use crate::frame::Pixels;
 use crate::plan::executor::{Fault, Finished};
 use half::f16;
@@ -52,7 +52,7 @@ impl Ring {
         size_px: [u32; 2],
     ) -> (wgpu::Buffer, u32) {
         let texel = texture.format().block_copy_size(None).unwrap_or(4);
-        let row_bytes = (size_px[0] * texel).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let row_bytes = row_bytes(size_px[0], texel);
         let size = u64::from(row_bytes) * u64::from(size_px[1]);
         let at = self.free.iter().position(|b| b.size() == size);
         let buffer = at.map(|at| self.free.swap_remove(at)).unwrap_or_else(|| {

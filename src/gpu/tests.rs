@@ -367,3 +367,28 @@ fn a_lost_device_is_a_fault() {
     let outcome = gpu.submit(1, &plan).and_then(|()| gpu.collect(true).map(|_| ()));
     assert!(matches!(outcome, Err(Fault::DeviceLost(_))), "{outcome:?}");
 }
+
+#[test]
+#[cfg_attr(not(gpu_tests), ignore = "no graphics adapter")]
+fn a_picture_that_is_too_large_is_refused_before_the_device_is_asked() {
+    let mut gpu = gpu();
+    let right = BELOW.plan(Output::Srgb8);
+    let before = draw(&mut gpu, &right);
+    // More pixels a side than any adapter has, and more bytes than a buffer of any adapter holds are both told apart.
+    for size_px in [[1 << 20, 16], [16, 1 << 20]] {
+        let outcome = gpu.submit(9, &FramePlan { size_px, ..right.clone() });
+        let Err(Fault::Unsupported(why)) = outcome else { panic!("{outcome:?}") };
+        assert!(why.contains(&format!("{}x{}", size_px[0], size_px[1])) && why.contains("at most"), "{why}");
+    }
+    assert_eq!(draw(&mut gpu, &right), before, "the executor is as it was");
+}
+
+#[test]
+#[cfg_attr(not(gpu_tests), ignore = "no graphics adapter")]
+fn what_the_device_refuses_is_the_pictures_fault() {
+    let mut gpu = gpu();
+    // Nothing of ours asks for a buffer without a use; wgpu's validation refuses it.
+    gpu.gpu.buffer("of no use", &[0; 16], wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::STORAGE);
+    let outcome = gpu.submit(1, &BELOW.plan(Output::Srgb8));
+    assert!(matches!(outcome, Err(Fault::Rejected(_))), "{outcome:?}");
+}

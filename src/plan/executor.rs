@@ -15,7 +15,11 @@ pub enum Fault {
     /// The device was lost: the render thread makes a new executor and goes on.
     #[error("the graphics device was lost: {0}")]
     DeviceLost(String),
-    /// The adapter cannot do what the plan needs.
+    /// The device refused the work of one picture (for want of memory, or against one of its rules) and would refuse it
+    /// again. The render thread makes a new executor, without that picture.
+    #[error("the graphics device refused a picture: {0}")]
+    Rejected(String),
+    /// The adapter cannot do what the plan needs: that picture is not drawn, the executor is as it was.
     #[error("the graphics adapter cannot do this: {0}")]
     Unsupported(String),
 }

@@ -12,6 +12,7 @@ use super::strikes::Strikes;
 use crate::encode;
 use crate::frame::{Frame, Pixels};
 use crate::outputs::{self, lit};
+use crate::wire::control::out::{EventMessage, Outbound};
 use crate::wire::control::{Format, WhenSlow};
 use crate::world::event::Event;
 use crate::world::snapshot::Snapshot;
@@ -81,6 +82,16 @@ impl FanOut {
                     None => break,
                     Some(Rendered::Lost(snapshot)) => {
                         lit(&snapshot).filter(|id| self.strikes.lost(*id)).for_each(|id| missed(&self.hub, id));
+                    }
+                    Some(Rendered::Failing { view, why, pause }) => {
+                        for ask in self.hub.answered(&view, u64::MAX) {
+                            // A requester that has gone away needs no answer.
+                            let _gone = ask.reply.send(Err(why.clone()));
+                        }
+                        if let Some(pause) = pause {
+                            let what = format!("{why}; it is tried again in {} s", pause.as_secs_f64());
+                            self.hub.broadcast(&Outbound::Event(EventMessage::Fault { what }));
+                        }
                     }
                     Some(Rendered::Frame { frame, snapshot, guard }) => {
                         for id in lit(&snapshot).filter(|id| self.strikes.shown(*id)) {

@@ -49,15 +49,16 @@ struct State {
 
 impl Posted {
     /// Bytes of the pixels of all its views.
-    fn bytes(&self) -> u64 {
+    fn pixel_bytes(&self) -> u64 {
         self.snapshot.views.iter().map(|view| 4 * u64::from(view.size_px[0]) * u64::from(view.size_px[1])).sum()
     }
 }
 
 impl State {
-    /// The oldest step, if there is room for its pictures; they count as held from now on.
+    /// The oldest step, if there is room for its pixels and as much again for what is made of them: JPEGs need far less, and
+    /// a second format is counted when it is there. They count as held from now on.
     fn next_step(&mut self, most_bytes: u64) -> Option<(Posted, Arc<StepGuard>)> {
-        let bytes = self.steps.front()?.0.bytes();
+        let bytes = 2 * self.steps.front()?.0.pixel_bytes();
         if self.held_bytes > 0 && self.held_bytes.saturating_add(bytes) > most_bytes {
             return None;
         }
@@ -183,7 +184,8 @@ impl Inbox {
                 return Work::Free(posted, state.wanted.clone());
             }
             if let Some((posted, guard)) = state.next_step(self.most_bytes) {
-                guard.begun(Arc::downgrade(self), posted.bytes());
+                let pixels = posted.pixel_bytes();
+                guard.begun(Arc::downgrade(self), 2 * pixels, pixels);
                 return Work::Step(posted, guard);
             }
             if free && state.steps.is_empty() && !state.wanted.is_empty() && !state.hungry {

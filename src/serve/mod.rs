@@ -5,6 +5,7 @@
 
 mod access;
 mod app;
+mod backoff;
 pub mod client;
 mod client_task;
 mod dispatch;

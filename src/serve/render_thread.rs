@@ -1,5 +1,6 @@
 //! The render thread: owns the executor, the only one to touch it; snapshots in, finished frames out in order.
 
+use super::backoff::Backoff;
 use super::inbox::{Inbox, Posted, Work};
 use super::metrics::Metrics;
 use super::pacer::Pacer;
@@ -10,8 +11,8 @@ use crate::frame::{Frame, LatencyStamps, Pixels};
 use crate::outputs::lit;
 use crate::plan::executor::{Executor, Fault};
 use crate::plan::{FramePlan, Output, plan};
-use crate::world::snapshot::Snapshot;
-use std::collections::BTreeMap;
+use crate::world::snapshot::{Snapshot, ViewState};
+use std::collections::{BTreeMap, BTreeSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
@@ -34,14 +35,29 @@ pub(super) enum Rendered {
     },
     /// One frame fewer will show this snapshot: a fault ate it, or its round is planned and no more will follow.
     Lost(Arc<Snapshot>),
+    /// A view cannot be drawn now: nobody should wait for it.
+    Failing {
+        view: String,
+        why: String,
+        /// Everybody is to be told: it has just failed, and is not drawn again for so long.
+        pause: Option<Duration>,
+    },
 }
 
 /// How often a step's frame is tried again on a new executor before the step fails.
 const ATTEMPTS: u32 = 3;
-/// Between two attempts to make an executor after a loss.
-const REMAKE_EVERY: Duration = Duration::from_millis(500);
+/// Faults that are remembered as logged; each is logged once.
+const LOGGED: usize = 64;
 /// How long the thread sleeps at most while pictures are under way and there is room for more.
 const POLL: Duration = Duration::from_millis(1);
+
+/// A view that failed when it was drawn last.
+struct Failing {
+    backoff: Backoff,
+    why: String,
+    /// At another size it is another try.
+    size_px: [u32; 2],
+}
 
 /// What is remembered of a view between its frames.
 struct Track {
@@ -49,6 +65,7 @@ struct Track {
     last_plan: Option<Arc<FramePlan>>,
     last_pixels: Option<Arc<Pixels>>,
     pacer: Pacer,
+    failing: Option<Failing>,
 }
 
 pub(super) struct RenderThread {
@@ -60,7 +77,9 @@ pub(super) struct RenderThread {
     out: mpsc::Sender<Rendered>,
     tracks: BTreeMap<String, Track>,
     ring: Ring,
-    last_fault: Option<String>,
+    /// Losses of the device without a picture in between.
+    losses: Backoff,
+    logged: BTreeSet<String>,
 }
 
 impl RenderThread {
@@ -87,7 +106,8 @@ impl RenderThread {
             out,
             tracks: BTreeMap::new(),
             ring: Ring::default(),
-            last_fault: None,
+            losses: Backoff::default(),
+            logged: BTreeSet::new(),
         })
     }
 
@@ -139,13 +159,23 @@ impl RenderThread {
             if guard.is_none() && !self.due(&view.name, *rate_hz, posted.snapshot_us) {
                 continue;
             }
+            if let Some(why) = self.left_alone(view) {
+                if let Some(guard) = guard {
+                    guard.fail(&why);
+                }
+                // A closed channel is noticed by the next frame.
+                let _closed = self.out.blocking_send(Rendered::Failing { view: view.name.clone(), why, pause: None });
+                continue;
+            }
             let planned = catch_unwind(AssertUnwindSafe(|| plan(snapshot, view, Output::Srgb8)));
             let plan = match planned {
                 Ok(plan) => Arc::new(plan),
                 Err(panic) => {
-                    self.note_fault(&format!("planning panicked: {}", panic_text(panic.as_ref())));
+                    let why = format!("planning panicked: {}", panic_text(panic.as_ref()));
+                    self.note_fault(&why);
+                    let why = self.view_failed(&view.name, view.size_px, &why);
                     if let Some(guard) = guard {
-                        guard.fail("a fault of the server: see its log");
+                        guard.fail(&why);
                     }
                     continue;
                 }
@@ -182,6 +212,7 @@ impl RenderThread {
             last_plan: None,
             last_pixels: None,
             pacer: Pacer::new(60.0),
+            failing: None,
         })
     }
 
@@ -204,8 +235,13 @@ impl RenderThread {
             Ok(Ok(())) => {}
             Ok(Err(Fault::DeviceLost(why))) => self.lose_device(&why),
             Ok(Err(fault)) => {
-                self.note_fault(&fault.to_string());
-                self.give_up(ticket);
+                let why = fault.to_string();
+                self.note_fault(&why);
+                self.give_up(ticket, &why);
+                if let Fault::Rejected(_) = fault {
+                    // What it holds of the refused picture is broken; the other pictures are drawn by the next one.
+                    self.drop_executor();
+                }
             }
             Err(panic) => self.lose_device(&format!("drawing panicked: {}", panic_text(panic.as_ref()))),
         }
@@ -220,6 +256,9 @@ impl RenderThread {
             Ok(Ok(finished)) => {
                 self.metrics.gpu_objects.store(executor.object_count() as u64, Relaxed);
                 let now_us = self.metrics.now_us();
+                if !finished.is_empty() {
+                    self.losses = Backoff::default();
+                }
                 for picture in finished {
                     if let Some(slot) = self.ring.slot_mut(picture.ticket) {
                         slot.drawing = false;
@@ -228,11 +267,12 @@ impl RenderThread {
                     }
                 }
             }
-            Ok(Err(Fault::DeviceLost(why))) => self.lose_device(&why),
+            Ok(Err(Fault::DeviceLost(why) | Fault::Rejected(why))) => self.lose_device(&why),
             Ok(Err(fault)) => {
-                self.note_fault(&fault.to_string());
+                let why = fault.to_string();
+                self.note_fault(&why);
                 for ticket in self.ring.drawing_tickets() {
-                    self.give_up(ticket);
+                    self.give_up(ticket, &why);
                 }
             }
             Err(panic) => self.lose_device(&format!("drawing panicked: {}", panic_text(panic.as_ref()))),
@@ -261,6 +301,9 @@ impl RenderThread {
         let track = self.track(&slot.view);
         track.number += 1;
         track.last_pixels = Some(Arc::clone(&pixels));
+        if !repeated {
+            track.failing = None;
+        }
         let number = track.number;
         let now_us = self.metrics.now_us();
         let stamps = LatencyStamps {
@@ -295,47 +338,87 @@ impl RenderThread {
         }
     }
 
+    /// Why this view is not drawn now, if it failed lately.
+    fn left_alone(&mut self, view: &ViewState) -> Option<String> {
+        let now_us = self.metrics.now_us();
+        let track = self.track(&view.name);
+        track.failing.take_if(|failing| failing.size_px != view.size_px);
+        let failing = track.failing.as_ref().filter(|failing| failing.backoff.left_us(now_us) > 0)?;
+        Some(failing.why.clone())
+    }
+
+    /// Remembers that a view failed, tells everybody, and returns the reason in words for clients.
+    fn view_failed(&mut self, view: &str, size_px: [u32; 2], why: &str) -> String {
+        let now_us = self.metrics.now_us();
+        let why = format!("a fault of the server: view `{view}` cannot be drawn: {why}");
+        let fresh = || Failing { backoff: Backoff::default(), why: String::new(), size_px };
+        let failing = self.track(view).failing.get_or_insert_with(fresh);
+        let pause = Duration::from_micros(failing.backoff.failed(now_us));
+        (failing.why, failing.size_px) = (why.clone(), size_px);
+        let news = Rendered::Failing { view: view.to_owned(), why: why.clone(), pause: Some(pause) };
+        // A closed channel is noticed by the next frame.
+        let _closed = self.out.blocking_send(news);
+        why
+    }
+
     /// This slot gives no picture, and what repeats it neither.
-    fn give_up(&mut self, ticket: u64) {
-        if let Some(slot) = self.ring.slot_mut(ticket) {
-            slot.drawing = false;
-            slot.repeats = false;
-            slot.given_up = true;
-            if let Some(guard) = &slot.guard {
-                guard.fail("a fault of the server: see its log");
-            }
-            let view = slot.view.clone();
-            self.ring.forget_repeats(&view);
-            if let Some(track) = self.tracks.get_mut(&view) {
-                track.last_plan = None;
-                track.last_pixels = None;
-            }
+    fn give_up(&mut self, ticket: u64, why: &str) {
+        let Some(slot) = self.ring.slot_mut(ticket) else { return };
+        slot.drawing = false;
+        slot.repeats = false;
+        slot.given_up = true;
+        let (view, size_px, guard) = (slot.view.clone(), slot.plan.size_px, slot.guard.clone());
+        let why = self.view_failed(&view, size_px, why);
+        if let Some(guard) = guard {
+            guard.fail(&why);
+        }
+        self.ring.forget_repeats(&view, &why);
+        if let Some(track) = self.tracks.get_mut(&view) {
+            track.last_plan = None;
+            track.last_pixels = None;
         }
     }
 
     fn lose_device(&mut self, why: &str) {
         self.note_fault(&format!("the device is lost, another executor follows: {why}"));
+        for ticket in self.ring.drawing_tickets() {
+            let Some(slot) = self.ring.slot_mut(ticket) else { continue };
+            slot.attempts += 1;
+            // A free-running frame is old by the time there is a new device; a step's frame is owed.
+            if slot.guard.is_none() || slot.attempts >= ATTEMPTS {
+                self.give_up(ticket, &format!("the device was lost: {why}"));
+            }
+        }
+        self.drop_executor();
+    }
+
+    /// Ends the executor; what it was drawing will be drawn by the next one.
+    fn drop_executor(&mut self) {
         self.executor = None;
+        self.losses.failed(self.metrics.now_us());
         for track in self.tracks.values_mut() {
             track.last_plan = None;
         }
         for ticket in self.ring.unfinished_tickets() {
-            let Some(slot) = self.ring.slot_mut(ticket) else { continue };
-            slot.drawing = false;
-            slot.repeats = false;
-            slot.attempts += 1;
-            // A free-running frame is old by the time there is a new device; a step's frame is owed.
-            if slot.guard.is_none() || slot.attempts >= ATTEMPTS {
-                self.give_up(ticket);
+            if let Some(slot) = self.ring.slot_mut(ticket) {
+                slot.drawing = false;
+                // What it repeats may never come.
+                slot.repeats = false;
             }
         }
     }
 
-    /// Makes a new executor and submits again what is owed. False: the server stops.
+    /// Makes a new executor and submits again what is owed; at once after a first loss, later and later after more of them.
+    /// False: the server stops.
     fn remake(&mut self) -> bool {
         while self.executor.is_none() {
             if self.inbox.stopped() || !self.emit() {
                 return false;
+            }
+            let pause_us = self.losses.left_us(self.metrics.now_us());
+            if pause_us > 0 {
+                self.inbox.pause(Duration::from_micros(pause_us));
+                continue;
             }
             match catch_unwind(AssertUnwindSafe(|| (self.factory)())) {
                 Ok(Ok(executor)) => {
@@ -349,24 +432,28 @@ impl RenderThread {
                 }
                 Ok(Err(fault)) => {
                     self.note_fault(&fault.to_string());
-                    self.inbox.pause(REMAKE_EVERY);
+                    self.losses.failed(self.metrics.now_us());
                 }
                 Err(panic) => {
                     self.note_fault(&format!("making an executor panicked: {}", panic_text(panic.as_ref())));
-                    self.inbox.pause(REMAKE_EVERY);
+                    self.losses.failed(self.metrics.now_us());
                 }
             }
         }
         true
     }
 
-    /// Counts a fault and logs it, unless it is the one that was logged last.
+    /// Counts a fault and logs it, unless it has been logged before.
     fn note_fault(&mut self, what: &str) {
         self.metrics.faults.fetch_add(1, Relaxed);
-        if self.last_fault.as_deref() != Some(what) {
-            tracing::error!(fault = what, "fault");
-            self.last_fault = Some(what.to_owned());
+        if self.logged.contains(what) {
+            return;
         }
+        tracing::error!(fault = what, "fault");
+        if self.logged.len() >= LOGGED {
+            self.logged.clear();
+        }
+        self.logged.insert(what.to_owned());
     }
 }
 

@@ -116,12 +116,12 @@ impl Ring {
     }
 
     /// The picture that these repeat will not come: they are given up as well.
-    pub(super) fn forget_repeats(&mut self, view: &str) {
+    pub(super) fn forget_repeats(&mut self, view: &str, why: &str) {
         for slot in self.slots.iter_mut().filter(|slot| slot.view == view && slot.repeats) {
             slot.repeats = false;
             slot.given_up = true;
             if let Some(guard) = &slot.guard {
-                guard.fail("a fault of the server: see its log");
+                guard.fail(why);
             }
         }
     }

@@ -43,6 +43,8 @@ type Answer = Box<dyn FnOnce(Outcome) + Send>;
 struct Debt {
     inbox: Weak<Inbox>,
     bytes: u64,
+    /// Of these, not used by an encoding yet.
+    spare: u64,
 }
 
 /// Answers when dropped.
@@ -62,19 +64,22 @@ impl StepGuard {
         }
     }
 
-    /// The inbox has given this step out, and counts its pixels as held.
-    pub(super) fn begun(&self, inbox: Weak<Inbox>, bytes: u64) {
-        *self.debt.lock().unwrap_or_else(PoisonError::into_inner) = Debt { inbox, bytes };
+    /// The inbox has given this step out, and counts so many bytes as held; `spare` of them are for its encodings.
+    pub(super) fn begun(&self, inbox: Weak<Inbox>, bytes: u64, spare: u64) {
+        *self.debt.lock().unwrap_or_else(PoisonError::into_inner) = Debt { inbox, bytes, spare };
     }
 
-    /// A picture of this step has been encoded for somebody: so many bytes more are held.
+    /// A picture of this step has been encoded for somebody in so many bytes.
     pub(super) fn holds(&self, bytes: u64) {
         let mut debt = self.debt.lock().unwrap_or_else(PoisonError::into_inner);
-        debt.bytes += bytes;
+        let foreseen = bytes.min(debt.spare);
+        let more = bytes - foreseen;
+        debt.spare -= foreseen;
+        debt.bytes += more;
         let inbox = debt.inbox.upgrade();
         drop(debt);
         if let Some(inbox) = inbox {
-            inbox.held(bytes);
+            inbox.held(more);
         }
     }
 

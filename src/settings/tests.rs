@@ -36,7 +36,7 @@ fn each_field_reaches_the_settings() {
         "listen": "[::1]:9000", "token": "correct-horse", "allowed_origins": ["https://example.org:8443"],
         "allow_take_over": true, "max_clients": 3, "executor": "reference", "frame_rate_hz": 59.5, "shutter_s": 0.01, "slices": 7, "deck_scale": 3, "deck_form": "instanced",
         "ring_ratio": 1.55, "jpeg_quality": 1, "scenario": null, "scenario_folder": "elsewhere", "queue_frames": 5,
-        "queue_commands": 99, "slow_client_s": 2.5, "log": "stormdeck=debug"
+        "queue_commands": 99, "step_memory_mib": 77, "slow_client_s": 2.5, "log": "stormdeck=debug"
     });
     let fields = other.as_object().expect("an object");
     assert_eq!(fields.len(), defaults().len(), "each field is tried");

@@ -29,6 +29,7 @@ struct State {
     held: bool,
     trouble_at: BTreeMap<u64, Trouble>,
     fail_to_make: u64,
+    rejected_px: Option<[u32; 2]>,
 }
 
 impl Control {
@@ -47,6 +48,11 @@ impl Control {
         let mut state = self.state.lock().unwrap();
         let at = state.submitted + 1 + later;
         state.trouble_at.insert(at, trouble);
+    }
+
+    /// Pictures of this size are rejected from now on, each time.
+    pub fn reject(&self, size_px: [u32; 2]) {
+        self.state.lock().unwrap().rejected_px = Some(size_px);
     }
 
     /// The next so many executors cannot be made.
@@ -94,7 +100,11 @@ impl Executor for Painter {
         state.submitted += 1;
         let submitted = state.submitted;
         let trouble = state.trouble_at.remove(&submitted);
+        let rejected = state.rejected_px == Some(plan.size_px);
         drop(state);
+        if rejected {
+            return Err(Fault::Rejected("too much for the test".into()));
+        }
         if trouble == Some(Trouble::Unsupported) {
             return Err(Fault::Unsupported("this very picture".into()));
         }

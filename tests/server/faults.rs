@@ -69,6 +69,33 @@ async fn a_picture_that_cannot_be_drawn_is_said_and_the_next_one_is() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn a_view_that_always_fails_is_left_alone_and_told_while_the_others_are_drawn() {
+    let server = Server::start().await;
+    let mut host = server.host().await;
+    server.control.reject([48, 24]);
+    host.acked(json!({"type": "view", "action": "create", "name": "tail", "size_px": [48, 24]})).await;
+    host.subscribe("main", "raw").await;
+    host.subscribe("tail", "raw").await;
+    let told = host.event("fault").await["what"].as_str().unwrap().to_owned();
+    assert!(told.contains("`tail`") && told.contains("too much for the test"), "{told}");
+    // The pauses double, so that the executors made grow with the logarithm of the time: 12 are those of a minute and more.
+    for _ in 0..60 {
+        assert_eq!(host.frame().await.header.view, "main");
+    }
+    assert!((2..=12).contains(&server.control.made()), "{} executors for 60 frames", server.control.made());
+    let (status, _, body) = server.http("/frame.png?view=tail", "").await;
+    let body = String::from_utf8_lossy(&body);
+    assert!(status == 500 && body.contains("too much for the test"), "{status} {body}");
+    let step = host.ask(json!({"type": "step", "to_s": 1000.0})).await;
+    assert!(step["type"] == "refused" && step["why"].as_str().unwrap().contains("`tail`"), "{step}");
+    // At another size it is tried at once.
+    host.acked(json!({"type": "view", "action": "change", "name": "tail", "size_px": [40, 20]})).await;
+    let step = host.ask(json!({"type": "step", "to_s": 2000.0})).await;
+    assert_eq!((&step["type"], &step["frames"][1]["view"]), (&json!("stepped"), &json!("tail")), "{step}");
+    server.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn nothing_to_draw_with_is_an_error_at_the_start() {
     let control = Arc::new(Control::default());
     control.fail_to_make(1);
