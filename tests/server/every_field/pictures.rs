@@ -57,7 +57,8 @@ fn differ(a: &[Seen], b: &[Seen]) -> bool {
 /// Messages at time 0, then the pictures at a time.
 fn play(executor: &mut ReferenceExecutor, messages: &[Value], at_s: f64) -> Vec<Seen> {
     let mut world = World::new();
-    world.set_quality(Quality { slices: 8, deck_scale: 1, ring_ratio: 4.0 });
+    let quality = Quality { slices: 8, deck_scale: 1, ring_ratio: 4.0, ..world.peek(0.0).quality };
+    world.set_quality(quality);
     let small = json!({"type": "view", "action": "change", "name": "main", "size_px": [32, 18]});
     for message in std::iter::once(&small).chain(messages) {
         let decoded = control::decode(&message.to_string()).unwrap_or_else(|refused| panic!("{message}: {refused:?}"));
