@@ -4,6 +4,7 @@ use super::device::Gpu;
 use super::frame::group;
 use super::pipelines::{DeckVariant, Pipelines};
 use super::resident::{Resident, VOLUMES_KEPT};
+use super::targets::Target;
 use crate::plan::{FramePlan, LayerPlan};
 
 /// One layer ready to be drawn.
@@ -12,6 +13,20 @@ pub struct Deck {
     pub variant: DeckVariant,
     /// Its parameters and textures.
     pub group: wgpu::BindGroup,
+}
+
+/// What both forms of the deck pass record from.
+pub struct Scene<'a> {
+    /// The plan.
+    pub plan: &'a FramePlan,
+    /// Camera, sky and tables.
+    pub frame: &'a wgpu::BindGroup,
+    /// Its layers.
+    pub decks: &'a [Deck],
+    /// What they are drawn into.
+    pub target: &'a Target,
+    /// A single texel that hides nothing: reads beyond it give nothing.
+    pub nothing: &'a wgpu::TextureView,
 }
 
 /// The layers of a plan, in its order.

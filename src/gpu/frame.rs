@@ -1,7 +1,7 @@
 //! One frame: from a plan to commands.
 
 use super::GpuExecutor;
-use super::deck::decks;
+use super::deck::{Scene, decks};
 use super::device::Gpu;
 use super::pipelines::Pipelines;
 use super::resident::Resident;
@@ -22,16 +22,15 @@ pub fn submit(executor: &mut GpuExecutor, ticket: u64, plan: &FramePlan) {
     let mut deck = &nothing;
     if !decks.is_empty() {
         let frame = frame_group(gpu, pipelines, resident, plan, &plan.camera.coarser(plan.deck_scale), &nothing);
-        let form = match plan.deck_form {
+        let scene = Scene { plan, frame: &frame, decks: &decks, target, nothing: &nothing };
+        let image = match plan.deck_form {
             DeckForm::Instanced => {
-                instanced::record(gpu, pipelines, &mut encoder, &frame, &decks, plan, target);
+                instanced::record(gpu, pipelines, &mut encoder, &scene);
                 0
             }
-            DeckForm::Auto | DeckForm::Marched => {
-                march::record(gpu, pipelines, &mut encoder, &frame, &decks, plan, target, &nothing)
-            }
+            DeckForm::Auto | DeckForm::Marched => march::record(gpu, pipelines, &mut encoder, &scene),
         };
-        deck = &target.deck[form];
+        deck = &target.deck[image];
     }
     let recorder = Recorder { gpu, target };
     let frame = frame_group(gpu, pipelines, resident, plan, &plan.camera, deck);

@@ -1,6 +1,6 @@
 //! The deck as instanced geometry: near to far in batches, with an occlusion pass after each.
 
-use super::deck::Deck;
+use super::deck::Scene;
 use super::device::Gpu;
 use super::frame::{attachment, group};
 use super::pipelines::Pipelines;
@@ -20,15 +20,8 @@ struct Draw {
 }
 
 /// Records the deck into its target.
-pub fn record(
-    gpu: &Gpu,
-    pipelines: &mut Pipelines,
-    encoder: &mut wgpu::CommandEncoder,
-    frame: &wgpu::BindGroup,
-    decks: &[Deck],
-    plan: &FramePlan,
-    target: &Target,
-) {
+pub fn record(gpu: &Gpu, pipelines: &mut Pipelines, encoder: &mut wgpu::CommandEncoder, scene: &Scene) {
+    let Scene { plan, frame, decks, target, .. } = *scene;
     for deck in decks {
         pipelines.deck(gpu, deck.variant);
     }

@@ -1,29 +1,19 @@
 //! The deck as one walk a pixel: a dispatch for each layer on the way down, then for each on the way up.
 
-use super::deck::Deck;
+use super::deck::Scene;
 use super::device::Gpu;
 use super::frame::group;
 use super::pipelines::Pipelines;
-use super::targets::Target;
 use crate::plan::FramePlan;
 
 /// Pixels of a workgroup each way.
 const GROUP: u32 = 8;
 
 /// Records the deck and returns which of the target's two images it ends in: each dispatch reads one and writes the other.
-pub fn record(
-    gpu: &Gpu,
-    pipelines: &mut Pipelines,
-    encoder: &mut wgpu::CommandEncoder,
-    frame: &wgpu::BindGroup,
-    decks: &[Deck],
-    plan: &FramePlan,
-    target: &Target,
-    nothing: &wgpu::TextureView,
-) -> usize {
+pub fn record(gpu: &Gpu, pipelines: &mut Pipelines, encoder: &mut wgpu::CommandEncoder, scene: &Scene) -> usize {
+    let Scene { plan, frame, decks, target, nothing } = *scene;
     let legs = legs(plan);
     let images = |leg: usize| {
-        // What stands before the first leg is a single texel that hides nothing: reads beyond it give nothing.
         let before = if leg == 0 { nothing } else { &target.deck[(leg - 1) % 2] };
         let [before, after] = [before, &target.deck[leg % 2]].map(wgpu::BindingResource::TextureView);
         group(gpu, &pipelines.march_layout, &[before, after])
