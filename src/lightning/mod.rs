@@ -1,5 +1,20 @@
-//! A flash as geometry and time: strokes, photometry.
+//! A flash as geometry and time: channels by four methods, strokes, photometry.
 
+pub mod channel;
+mod charges;
+pub mod dbm;
+pub mod error;
 pub mod flash;
+mod frontier;
+pub mod grid;
+pub mod grow;
+pub mod laplacian;
 pub mod photometry;
 pub mod random;
+pub mod rational;
+pub mod reed_wyvill;
+pub mod scene;
+pub mod tables;
+mod urn;
+mod walls;
+pub mod waypoints;
