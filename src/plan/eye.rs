@@ -30,6 +30,7 @@ pub struct Eye {
 impl Eye {
     /// The eye of a view.
     pub fn new(ownship: &OwnshipState, view: &ViewState) -> Self {
+        let ownship = view.carrier.as_ref().unwrap_or(ownship);
         let body = ENU_NED * ned_from_body(&ownship.attitude);
         let offset = enu(&ownship.position) * (body * DVec3::from(view.offset_m));
         let place = from_ecef(to_ecef(&ownship.position) + offset);

@@ -8,7 +8,7 @@ use crate::passes::ground::Ground;
 use crate::passes::sky::Sky;
 use crate::passes::sky::atmosphere::{Air, Luminary, MOON_LUX, SUN_LUX};
 use crate::passes::sky::table::TableParams;
-use crate::world::command::Exposure;
+use crate::world::command::{Exposure, Frustum};
 use crate::world::regions::weight_at;
 use crate::world::snapshot::{FlashState, LayerState, Snapshot, ViewState};
 use glam::{DQuat, Vec3};
@@ -58,11 +58,26 @@ impl Illuminance {
         let haze = VISIBILITY_DEPTH / visibility_m(snapshot).max(1.0) - 1.2e-5;
         let air = Air { haze_per_m: haze.max(1e-7) as f32 };
         let lights = [
-            Luminary { direction: sun, illuminance_lux: Vec3::splat(if sun.z > -0.31 { SUN_LUX } else { 0.0 }) },
-            Luminary { direction: moon, illuminance_lux: moonlight(snapshot.sky.moon_lit_fraction, sun.z, moon.z) },
+            Luminary {
+                direction: sun,
+                illuminance_lux: if snapshot.sky.sun_shines && sun.z > -0.31 {
+                    Vec3::splat(SUN_LUX)
+                } else {
+                    Vec3::ZERO
+                },
+            },
+            Luminary {
+                direction: moon,
+                illuminance_lux: if snapshot.sky.moon_shines {
+                    moonlight(snapshot.sky.moon_lit_fraction, sun.z, moon.z)
+                } else {
+                    Vec3::ZERO
+                },
+            },
         ];
-        // Airglow and starlight: 2e-4 cd/m2 at a dark site (Leinert et al. 1998, table 2), doubled for a peopled one.
-        let night_luminance = 4e-4;
+        // Airglow and starlight: 2e-4 cd/m2 at a dark site (Leinert et al. 1998, table 2), doubled for a peopled one. A
+        // quarter of it, chosen here, stands for the stars, which are not drawn one by one and can be taken away.
+        let night_luminance = 4e-4 * (0.75 + 0.25 * snapshot.sky.starlight as f32);
         let key = lights
             .iter()
             .max_by(|a, b| {
@@ -120,13 +135,28 @@ impl Illuminance {
 
     /// The camera of a view.
     pub fn camera(&self, eye: &Eye, view: &ViewState) -> Camera {
-        let tangent = (0.5 * view.field_of_view_deg.to_radians()).tan() as f32;
         let [width, height] = view.size_px.map(|n| n as f32);
-        let [right, up, forward] = eye.axes;
+        let [right, up, axis] = eye.axes;
+        // Tangents of the picture's sides, as half-widths around a middle, which is off the axis for a lopsided frustum.
+        let ([across, aside], [along, above]) = match view.frustum {
+            None => {
+                let tangent = (0.5 * view.field_of_view_deg.to_radians()).tan() as f32;
+                ([tangent, 0.0], [tangent * height / width, 0.0])
+            }
+            Some(Frustum { left_deg, right_deg, top_deg, bottom_deg }) => {
+                let half = |low: f64, high: f64| {
+                    let [low, high] = [low, high].map(|side_deg| side_deg.to_radians().tan());
+                    [0.5 * (high - low), 0.5 * (high + low)].map(|tangent| tangent as f32)
+                };
+                (half(left_deg, right_deg), half(bottom_deg, top_deg))
+            }
+        };
+        let forward = axis + right * aside + up * above;
+        let [flip_x, flip_y] = view.mirror.map(|mirrored| if mirrored { -1.0 } else { 1.0 });
         Camera {
-            right: (right * tangent).into(),
+            right: (right * (across * flip_x)).into(),
             width_px: width,
-            up: (up * (tangent * height / width)).into(),
+            up: (up * (along * flip_y)).into(),
             height_px: height,
             forward: forward.into(),
             eye_m: eye.height_m as f32,

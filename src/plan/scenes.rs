@@ -23,8 +23,19 @@ pub fn clear_day() -> Snapshot {
         offset_m: [0.0; 3],
         attitude: Attitude::default(),
         exposure: Exposure::Automatic,
+        frustum: None,
+        mirror: [false; 2],
+        entity: 0,
+        carrier: None,
     };
-    let sky = SkyState { sun_direction_ecef: DVec3::Z, moon_direction_ecef: DVec3::NEG_Z, moon_lit_fraction: 0.5 };
+    let sky = SkyState {
+        sun_direction_ecef: DVec3::Z,
+        moon_direction_ecef: DVec3::NEG_Z,
+        moon_lit_fraction: 0.5,
+        sun_shines: true,
+        moon_shines: true,
+        starlight: 1.0,
+    };
     let snapshot = Snapshot {
         number: 1,
         host_frame: 0,

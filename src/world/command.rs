@@ -15,6 +15,15 @@ pub use crate::lightning::flash::{FlashKind, Polarity, StrokeSpec};
 pub enum Command {
     /// Where the ownship is.
     Ownship(Ownship),
+    /// Where another entity is that may carry views; `None`: it is gone, and its views are the ownship's again.
+    Entity {
+        /// Its number, not 0, which is the ownship.
+        id: u16,
+        /// Where it is.
+        place: Option<Ownship>,
+    },
+    /// What is seen in the sky beside the clouds.
+    Sky(SkyEdit),
     /// New or changed weather, global or of one region.
     Weather(WeatherEdit),
     /// Removes a region and its weather, easing out.
@@ -145,6 +154,30 @@ pub struct TimeEdit {
     pub rate: Option<f64>,
 }
 
+/// Which lights of the sky there are: what is `None` stays.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SkyEdit {
+    /// Whether the sun shines.
+    pub sun: Option<bool>,
+    /// Whether the moon shines.
+    pub moon: Option<bool>,
+    /// Light of the stars, 0 (none) to 1 (as it is).
+    pub starlight: Option<f64>,
+}
+
+/// The sides of a picture as angles from its axis: left and bottom are normally negative.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frustum {
+    /// Left side, less than the right one.
+    pub left_deg: f64,
+    /// Right side.
+    pub right_deg: f64,
+    /// Upper side.
+    pub top_deg: f64,
+    /// Lower side, less than the upper one.
+    pub bottom_deg: f64,
+}
+
 /// Automatic or fixed exposure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Exposure {
@@ -185,6 +218,12 @@ pub struct ViewEdit {
     pub roll_deg: Option<f64>,
     /// Exposure.
     pub exposure: Option<Exposure>,
+    /// The sides of the picture, in place of the field of view; the picture fills them whatever its size in pixels.
+    pub frustum: Option<Frustum>,
+    /// Whether the picture is mirrored, left to right and top to bottom.
+    pub mirror: Option<[bool; 2]>,
+    /// The entity that carries the view; 0 is the ownship.
+    pub entity: Option<u16>,
 }
 
 /// Strokes of a flash.

@@ -10,6 +10,8 @@ pub const MAX_LAYER_CHANGES: usize = 64;
 pub const MAX_REGIONS: usize = 16;
 /// Views at once.
 pub const MAX_VIEWS: usize = 16;
+/// Entities beside the ownship that may carry views.
+pub const MAX_ENTITIES: usize = 64;
 /// Pixels of all views together (four of 3840 x 2160).
 pub const MAX_TOTAL_PIXELS: u64 = 4 * 3840 * 2160;
 /// Flashes that have not ended yet, waiting ones included.
@@ -75,6 +77,12 @@ pub const SPEED: [f64; 2] = [0.0, 1_000.0];
 pub const VIEW_SIZE_PX: [u32; 2] = [16, 8_192];
 /// Horizontal field of view in degrees.
 pub const FIELD_OF_VIEW_DEG: [f64; 2] = [1.0, 170.0];
+/// Angle of a side of a picture from its axis in degrees.
+pub const FRUSTUM_DEG: [f64; 2] = [-85.0, 85.0];
+/// Least angle between two sides of a picture in degrees.
+pub const FRUSTUM_SPAN_DEG: f64 = 0.1;
+/// Light of the stars as a share.
+pub const STARLIGHT: [f64; 2] = [0.0, 1.0];
 /// Each component of a view's offset in metres.
 pub const VIEW_OFFSET_M: [f64; 2] = [-1_000.0, 1_000.0];
 /// Exposure value at ISO 100.

@@ -4,7 +4,7 @@ use crate::clouds::CloudKind;
 use crate::geo::{Attitude, Geodetic};
 use glam::{DQuat, DVec3};
 
-use super::command::{Exposure, FlashKind, Polarity, RegionShape};
+use super::command::{Exposure, FlashKind, Frustum, Polarity, RegionShape};
 
 /// The world at one moment.
 #[derive(Clone, Debug, PartialEq)]
@@ -101,6 +101,14 @@ pub struct ViewState {
     pub attitude: Attitude,
     /// Exposure.
     pub exposure: Exposure,
+    /// The sides of the picture, where they are not those of the field of view.
+    pub frustum: Option<Frustum>,
+    /// Whether the picture is mirrored, left to right and top to bottom.
+    pub mirror: [bool; 2],
+    /// The entity that is to carry the view; 0 is the ownship.
+    pub entity: u16,
+    /// Where that entity is; `None`: the ownship carries the view.
+    pub carrier: Option<OwnshipState>,
 }
 
 /// A flash, with the light that it gives in the shutter interval.
@@ -131,6 +139,12 @@ pub struct SkyState {
     pub moon_direction_ecef: DVec3,
     /// Lit share of the moon's disc, 0 to 1.
     pub moon_lit_fraction: f64,
+    /// Whether the sun shines.
+    pub sun_shines: bool,
+    /// Whether the moon shines.
+    pub moon_shines: bool,
+    /// Light of the stars, 0 (none) to 1 (as it is).
+    pub starlight: f64,
 }
 
 /// What may be spent on a picture.

@@ -2,11 +2,13 @@
 
 use crate::geo::Geodetic;
 use crate::geo::celestial::sun_and_moon;
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 
+use super::check;
 use super::clock::Clock;
-use super::command::{Command, StrikeRequest, WeatherEdit};
+use super::command::{Command, Ownship, SkyEdit, StrikeRequest, WeatherEdit};
 use super::event::{Applied, Refused};
+use super::limits;
 use super::ownship::LastKnown;
 use super::regions::{self, Region};
 use super::snapshot::{FlashState, Quality, SkyState, Snapshot, ViewState};
@@ -17,11 +19,39 @@ use super::weather::Weather;
 /// Height of a flash's light where there is no cloud.
 const STRIKE_ALTITUDE_WITHOUT_CLOUD_M: f64 = 2_000.0;
 
+/// Which lights of the sky there are.
+#[derive(Clone, Copy, Debug)]
+struct SkyLights {
+    sun: bool,
+    moon: bool,
+    starlight: f64,
+}
+
+impl Default for SkyLights {
+    fn default() -> Self {
+        Self { sun: true, moon: true, starlight: 1.0 }
+    }
+}
+
+impl SkyLights {
+    fn edit(&mut self, edit: &SkyEdit) -> Result<(), Refused> {
+        if let Some(starlight) = edit.starlight {
+            check::within("starlight", starlight, limits::STARLIGHT)?;
+            self.starlight = starlight;
+        }
+        self.sun = edit.sun.unwrap_or(self.sun);
+        self.moon = edit.moon.unwrap_or(self.moon);
+        Ok(())
+    }
+}
+
 /// The state of the world.
 #[derive(Clone, Debug)]
 pub struct State {
     now_s: f64,
     ownship: LastKnown,
+    entities: BTreeMap<u16, LastKnown>,
+    sky: SkyLights,
     weather: Weather,
     regions: Vec<Region>,
     views: Vec<ViewState>,
@@ -36,6 +66,8 @@ impl State {
         Self {
             now_s: 0.0,
             ownship: LastKnown::default(),
+            entities: BTreeMap::new(),
+            sky: SkyLights::default(),
             weather: Weather::clear(),
             regions: Vec::new(),
             views: vec![views::default_view(views::DEFAULT_VIEW)],
@@ -68,6 +100,8 @@ impl State {
     pub fn apply(&mut self, command: &Command, scenario_flash_id: Option<u64>) -> Result<Applied, Refused> {
         match command {
             Command::Ownship(message) => self.ownship = LastKnown::new(message, self.now_s)?,
+            Command::Entity { id, place } => self.entity(*id, place.as_ref())?,
+            Command::Sky(edit) => self.sky.edit(edit)?,
             Command::Weather(edit) => self.edit_weather(edit)?,
             Command::RemoveRegion { name, transition_s } => {
                 regions::remove(&mut self.regions, name, *transition_s, self.now_s)?;
@@ -129,15 +163,39 @@ impl State {
             ownship: self.ownship.at(now_s),
             weather: self.weather.at(now_s),
             regions: regions::at(&self.regions, now_s),
-            views: self.views.clone(),
+            views: self.views.iter().map(|view| self.carried(view, now_s)).collect(),
             flashes: self.strikes.at(now_s, now_s + shutter_s),
             sky: SkyState {
                 sun_direction_ecef: sky.sun_m.normalize(),
                 moon_direction_ecef: sky.moon_m.normalize(),
                 moon_lit_fraction: sky.moon_lit_fraction,
+                sun_shines: self.sky.sun,
+                moon_shines: self.sky.moon,
+                starlight: self.sky.starlight,
             },
             quality,
         }
+    }
+
+    fn entity(&mut self, id: u16, place: Option<&Ownship>) -> Result<(), Refused> {
+        if id == 0 {
+            return Err(Refused::new("entity", id, "1 to 65535", "entity 0 is the ownship, which has its own command"));
+        }
+        let Some(place) = place else {
+            self.entities.remove(&id);
+            return Ok(());
+        };
+        let known = LastKnown::new(place, self.now_s)?;
+        let count = self.entities.len() + usize::from(!self.entities.contains_key(&id));
+        check::at_most("entity", count, limits::MAX_ENTITIES, "entities beside the ownship")?;
+        self.entities.insert(id, known);
+        Ok(())
+    }
+
+    /// A view with the place of the entity that carries it.
+    fn carried(&self, view: &ViewState, now_s: f64) -> ViewState {
+        let carrier = self.entities.get(&view.entity).filter(|_| view.entity != 0).map(|known| known.at(now_s));
+        ViewState { carrier, ..view.clone() }
     }
 
     fn edit_weather(&mut self, edit: &WeatherEdit) -> Result<(), Refused> {

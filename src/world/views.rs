@@ -3,7 +3,7 @@
 use crate::geo::Attitude;
 
 use super::check;
-use super::command::{Exposure, ViewAction, ViewEdit};
+use super::command::{Exposure, Frustum, ViewAction, ViewEdit};
 use super::event::Refused;
 use super::limits;
 use super::snapshot::ViewState;
@@ -20,6 +20,10 @@ pub fn default_view(name: &str) -> ViewState {
         offset_m: [0.0; 3],
         attitude: Attitude::default(),
         exposure: Exposure::Automatic,
+        frustum: None,
+        mirror: [false; 2],
+        entity: 0,
+        carrier: None,
     }
 }
 
@@ -71,6 +75,12 @@ pub fn edit(views: &mut Vec<ViewState>, edit: &ViewEdit) -> Result<(), Refused> 
         }
         view.exposure = exposure;
     }
+    if let Some(frustum) = edit.frustum {
+        check_frustum(&frustum)?;
+        view.frustum = Some(frustum);
+    }
+    view.mirror = edit.mirror.unwrap_or(view.mirror);
+    view.entity = edit.entity.unwrap_or(view.entity);
     let pixels = |view: &ViewState| u64::from(view.size_px[0]) * u64::from(view.size_px[1]);
     let others: u64 = views.iter().filter(|other| other.name != view.name).map(pixels).sum();
     if others + pixels(&view) > limits::MAX_TOTAL_PIXELS {
@@ -99,6 +109,18 @@ pub fn remove(views: &mut Vec<ViewState>, name: &str) -> Result<(), Refused> {
         }
         None => Err(unknown(views, name)),
     }
+}
+
+fn check_frustum(frustum: &Frustum) -> Result<(), Refused> {
+    let Frustum { left_deg, right_deg, top_deg, bottom_deg } = *frustum;
+    for (low_name, low, high_name, high) in
+        [("left_deg", left_deg, "right_deg", right_deg), ("bottom_deg", bottom_deg, "top_deg", top_deg)]
+    {
+        check::within(&format!("frustum.{low_name}"), low, limits::FRUSTUM_DEG)?;
+        let least = low + limits::FRUSTUM_SPAN_DEG;
+        check::within(&format!("frustum.{high_name}"), high, [least, limits::FRUSTUM_DEG[1]])?;
+    }
+    Ok(())
 }
 
 fn unknown(views: &[ViewState], name: &str) -> Refused {

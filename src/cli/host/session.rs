@@ -126,6 +126,8 @@ impl Session {
             Command::Weather(_) => ("weather", command),
             Command::RemoveRegion { .. } => ("region", command),
             Command::Time(_) => ("time", command),
+            Command::Entity { .. } => ("entity", command),
+            Command::Sky(_) => ("sky", command),
             Command::Scenario(_) => ("scenario", command),
             Command::View(mut edit) => {
                 edit.action =

@@ -31,9 +31,12 @@ fn deck_vertex(
     let r = camera.earth_m + height;
     let z = height - distance * distance / (sqrt(max(r * r - distance * distance, 0.0)) + r) - camera.eye_m;
     let v = vec3<f32>(sin(azimuth) * distance, cos(azimuth) * distance, z);
-    let x = dot(v, camera.right) / dot(camera.right, camera.right);
-    let y = dot(v, camera.up) / dot(camera.up, camera.up);
-    let w = dot(v, camera.forward);
+    // In a lopsided frustum `forward` leans from the picture's axis towards its middle.
+    let lean_x = dot(camera.forward, camera.right) / dot(camera.right, camera.right);
+    let lean_y = dot(camera.forward, camera.up) / dot(camera.up, camera.up);
+    let w = dot(v, camera.forward - lean_x * camera.right - lean_y * camera.up);
+    let x = dot(v, camera.right) / dot(camera.right, camera.right) - lean_x * w;
+    let y = dot(v, camera.up) / dot(camera.up, camera.up) - lean_y * w;
     var out: Passed;
     out.position = vec4<f32>(x, y, 0.5 * w, w);
     out.kind = kind;

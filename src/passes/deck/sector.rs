@@ -24,12 +24,13 @@ pub fn sector(camera: &Camera) -> (Sector, u32) {
     // Azimuths run away near the vertical: where it is in the picture or near its edge, take the whole circle.
     let sees_vertical = |up: f32| {
         let v = glam::Vec3::new(0.0, 0.0, up);
-        let along = |axis: [f32; 3]| {
-            let axis = glam::Vec3::from(axis);
-            v.dot(axis) / axis.length_squared()
-        };
-        let ahead = v.dot(camera.forward.into());
-        ahead > 0.0 && along(camera.right).abs() < 1.05 * ahead && along(camera.up).abs() < 1.05 * ahead
+        let [forward, right, up] = [camera.forward, camera.right, camera.up].map(glam::Vec3::from);
+        let along = |v: glam::Vec3, axis: glam::Vec3| v.dot(axis) / axis.length_squared();
+        // In a lopsided frustum `forward` leans from the picture's axis towards its middle.
+        let lean = [along(forward, right), along(forward, up)];
+        let ahead = v.dot(forward - right * lean[0] - up * lean[1]);
+        let inside = |axis, lean: f32| (along(v, axis) - lean * ahead).abs() < 1.05 * ahead;
+        ahead > 0.0 && inside(right, lean[0]) && inside(up, lean[1])
     };
     let whole = (Sector { first_rad: 0.0, step_rad: TAU / 105.0 }, 105);
     if sees_vertical(1.0) || sees_vertical(-1.0) {

@@ -103,6 +103,9 @@ pub fn encode_command(command: &Command) -> (&'static str, Value) {
         Command::RemoveView { name } => ("view", json(&ViewMessage::Remove(ViewName { name: name.clone() }))),
         Command::Strike(request) => ("strike", json(&StrikeMessage::from(request))),
         Command::Scenario(edit) => ("scenario", json(&ScenarioMessage::from(edit))),
+        // Said by CIGI hosts alone: there is no such message, and a server would refuse it.
+        Command::Entity { .. } => ("entity", Value::Null),
+        Command::Sky(_) => ("sky", Value::Null),
     }
 }
 

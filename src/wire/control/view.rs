@@ -125,6 +125,10 @@ impl ViewFields {
             pitch_deg: self.pitch_deg,
             roll_deg: self.roll_deg,
             exposure: self.exposure_ev100.map(Into::into),
+            // Said by CIGI hosts alone.
+            frustum: None,
+            mirror: None,
+            entity: None,
         }
     }
 }
