@@ -1,5 +1,7 @@
 //! What a host is told beside pictures: answers and events that follow from a snapshot alone. Pure; no device is asked.
 
+pub mod air;
+
 use crate::plan::{FramePlan, Output, plan};
 use crate::world::event::{Event, Refused};
 use crate::world::snapshot::{Snapshot, ViewState};

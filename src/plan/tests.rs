@@ -229,3 +229,45 @@ fn what_a_scene_does_not_need_is_left_out() {
     let linear = plan(&noon, &noon.views[0], Output::LinearRgb);
     assert!(linear.notes.iter().any(|note| note.pass == "tonemap" && !note.kept));
 }
+
+#[test]
+fn a_lopsided_frustum_and_a_mirror_bend_the_rays_as_told() {
+    let mut snapshot = scenes::clear_day();
+    let level = plan(&snapshot, &snapshot.views[0], Output::Srgb8).camera;
+    let axis = glam::Vec3::from(level.forward);
+    let [left_deg, right_deg, top_deg, bottom_deg] = [-10.0, 40.0, 5.0, -20.0];
+    snapshot.views[0].frustum =
+        Some(crate::world::command::Frustum { left_deg, right_deg, top_deg, bottom_deg });
+    let camera = plan(&snapshot, &snapshot.views[0], Output::Srgb8).camera;
+    let [width, height] = [camera.width_px, camera.height_px];
+    // The axis of the view lies where the tangents say: 10 degrees from the left side and 5 below the upper one.
+    let share = |low: f64, high: f64| {
+        let [low, high] = [low, high].map(|side: f64| side.to_radians().tan());
+        (-low / (high - low)) as f32
+    };
+    let on_axis = camera.ray(share(left_deg, right_deg) * width, (1.0 - share(bottom_deg, top_deg)) * height);
+    // Directions are f32: 1e-7, a few times over.
+    assert!((on_axis - axis).length() < 1e-6, "{on_axis} {axis}");
+    let at_left = camera.ray(0.0, (1.0 - share(bottom_deg, top_deg)) * height);
+    assert!((at_left.dot(axis).acos().to_degrees() - 10.0).abs() < 1e-3);
+    snapshot.views[0].mirror = [true, false];
+    let mirrored = plan(&snapshot, &snapshot.views[0], Output::Srgb8).camera;
+    assert!((mirrored.ray(3.0, 2.0) - camera.ray(width - 3.0, 2.0)).length() < 1e-6);
+    snapshot.views[0].mirror = [false, true];
+    let mirrored = plan(&snapshot, &snapshot.views[0], Output::Srgb8).camera;
+    assert!((mirrored.ray(3.0, 2.0) - camera.ray(3.0, height - 2.0)).length() < 1e-6);
+}
+
+#[test]
+fn a_view_is_where_its_carrier_is_and_lights_can_be_put_out() {
+    let mut snapshot = scenes::clear_day();
+    let elsewhere = crate::geo::Geodetic { altitude_m: 5_000.0, ..snapshot.ownship.position };
+    let carrier = crate::world::snapshot::OwnshipState { position: elsewhere, ..snapshot.ownship };
+    snapshot.views[0].carrier = Some(carrier);
+    let carried = plan(&snapshot, &snapshot.views[0], Output::Srgb8);
+    assert!((carried.camera.eye_m - 5_000.0).abs() < 1.0);
+    assert!(carried.sky.sun_luminance[1] > 0.0);
+    snapshot.sky.sun_shines = false;
+    let dark = plan(&snapshot, &snapshot.views[0], Output::Srgb8);
+    assert_eq!(dark.sky.sun_luminance, [0.0; 3]);
+}

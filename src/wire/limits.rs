@@ -64,6 +64,13 @@ pub const CIGI_MESSAGE_BYTES: usize = 65_507;
 /// Most packets of a CIGI message that is given as JSON; the smallest packet has 8 bytes.
 pub const CIGI_JSON_PACKETS: usize = CIGI_MESSAGE_BYTES / 8;
 
+/// Entities of a CIGI host that are kept.
+pub const CIGI_ENTITIES: usize = 1_024;
+/// Regions of a CIGI host that are kept; the world draws as many as [`world::MAX_REGIONS`].
+pub const CIGI_REGIONS: usize = 256;
+/// Weather layers of a CIGI host that are kept, those of all regions and entities together.
+pub const CIGI_WEATHER_LAYERS: usize = 1_024;
+
 // --- Names and texts ---
 
 /// Length in characters of the name of a view, a region or a client. A view's name fills at most 32 bytes of a frame header.

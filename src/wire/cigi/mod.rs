@@ -10,6 +10,7 @@ pub mod layout;
 pub mod message;
 pub mod others;
 pub mod packets;
+pub mod scene;
 pub mod table;
 
 pub use message::{Message, Rejected, Skipped, decode, decode_packets, encode};
