@@ -3,7 +3,7 @@
 use super::GpuExecutor;
 use super::deck::{Scene, decks};
 use super::device::Gpu;
-use super::pipelines::Pipelines;
+use super::pipelines::{GroundVariant, Pipelines};
 use super::resident::Resident;
 use super::ring::Content;
 use super::targets::Target;
@@ -93,13 +93,14 @@ impl Recorder<'_> {
     fn behind(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        pipelines: &Pipelines,
+        pipelines: &mut Pipelines,
         frame: &wgpu::BindGroup,
         plan: &FramePlan,
     ) {
         let ground = plan.ground.as_ref().map(|ground| {
             let uniform = self.gpu.buffer("ground", bytemuck::bytes_of(ground), wgpu::BufferUsages::STORAGE);
-            group(self.gpu, &pipelines.ground_layout, &[uniform.as_entire_binding()])
+            let group = group(self.gpu, &pipelines.ground_layout, &[uniform.as_entire_binding()]);
+            (GroundVariant::of(ground), group)
         });
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("behind"),
@@ -107,8 +108,8 @@ impl Recorder<'_> {
             ..Default::default()
         });
         pass.set_bind_group(0, frame, &[]);
-        if let Some(ground) = &ground {
-            pass.set_pipeline(&pipelines.ground);
+        if let Some((variant, ground)) = &ground {
+            pass.set_pipeline(pipelines.ground(self.gpu, *variant));
             pass.set_bind_group(1, ground, &[]);
             pass.draw(0..3, 0..1);
         }

@@ -4,6 +4,7 @@ use super::device::Gpu;
 use super::layouts::{Layouts, pipeline_layout};
 use super::targets::{DEPTH_FORMAT, PICTURE_FORMAT};
 use crate::passes::deck::Instance;
+use crate::passes::ground::Ground;
 use std::collections::HashMap;
 
 const COMMON: &str = include_str!("../passes/common.wgsl");
@@ -42,6 +43,26 @@ impl DeckVariant {
     }
 }
 
+/// What of the ground's shader a scene needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct GroundVariant {
+    pub several_charts: bool,
+    pub flashes: bool,
+    pub cities: bool,
+}
+
+impl GroundVariant {
+    /// For these parameters.
+    pub fn of(ground: &Ground) -> Self {
+        Self { several_charts: ground.charts > 1, flashes: ground.flashes > 0, cities: ground.city_luminance > 0.0 }
+    }
+
+    fn constants(self) -> [(&'static str, f64); 3] {
+        let flag = |on: bool| f64::from(u8::from(on));
+        [("SEVERAL_CHARTS", flag(self.several_charts)), ("FLASHES", flag(self.flashes)), ("CITIES", flag(self.cities))]
+    }
+}
+
 /// Pipelines and the layouts of their bind groups.
 pub struct Pipelines {
     pub frame_layout: wgpu::BindGroupLayout,
@@ -51,11 +72,13 @@ pub struct Pipelines {
     pub light_layout: wgpu::BindGroupLayout,
     pub march_layout: wgpu::BindGroupLayout,
     pub sky: wgpu::RenderPipeline,
-    pub ground: wgpu::RenderPipeline,
     pub cull: wgpu::RenderPipeline,
     pub tonemap: wgpu::RenderPipeline,
     pub light_down: wgpu::ComputePipeline,
     pub light_up: wgpu::ComputePipeline,
+    ground_module: wgpu::ShaderModule,
+    ground_pipeline_layout: wgpu::PipelineLayout,
+    ground: HashMap<GroundVariant, wgpu::RenderPipeline>,
     deck_module: wgpu::ShaderModule,
     deck_pipeline_layout: wgpu::PipelineLayout,
     deck: HashMap<DeckVariant, wgpu::RenderPipeline>,
@@ -81,10 +104,7 @@ impl Pipelines {
             })
         };
         let layouts = Layouts::new(gpu);
-        let fullscreen = |name: &str, group1: Option<&wgpu::BindGroupLayout>| {
-            let layout = pipeline_layout(gpu, &[Some(&layouts.frame), group1]);
-            render(gpu, name, &module(name), &layout, Some(added(gpu.light_format)), None, &[])
-        };
+        let sky_layout = pipeline_layout(gpu, &[Some(&layouts.frame)]);
         let cull_layout = pipeline_layout(gpu, &[None, Some(&layouts.image)]);
         let tonemap_layout = pipeline_layout(gpu, &[Some(&layouts.image)]);
         let light_layout = pipeline_layout(gpu, &[Some(&layouts.light)]);
@@ -92,8 +112,10 @@ impl Pipelines {
         let light = |entry: &str| compute(gpu, entry, &light_module, &light_layout, Default::default());
         let opaque = wgpu::ColorTargetState { format: PICTURE_FORMAT, blend: None, write_mask: wgpu::ColorWrites::ALL };
         Self {
-            sky: fullscreen("sky", None),
-            ground: fullscreen("ground", Some(&layouts.ground)),
+            sky: render(gpu, "sky", &module("sky"), &sky_layout, Some(added(gpu.light_format)), None, &[]),
+            ground_module: module("ground"),
+            ground_pipeline_layout: pipeline_layout(gpu, &[Some(&layouts.frame), Some(&layouts.ground)]),
+            ground: HashMap::new(),
             cull: render(gpu, "cull", &module("cull"), &cull_layout, None, Some(marked()), &[]),
             tonemap: render(gpu, "tonemap", &module("tonemap"), &tonemap_layout, Some(opaque), None, &[]),
             light_down: light("light_down"),
@@ -117,6 +139,15 @@ impl Pipelines {
             light_layout: layouts.light,
             march_layout: layouts.march,
         }
+    }
+
+    /// The ground's pipeline for what a scene needs.
+    pub fn ground(&mut self, gpu: &Gpu, variant: GroundVariant) -> &wgpu::RenderPipeline {
+        self.ground.entry(variant).or_insert_with(|| {
+            let target = Some(added(gpu.light_format));
+            let constants = variant.constants();
+            render(gpu, "ground", &self.ground_module, &self.ground_pipeline_layout, target, None, &constants)
+        })
     }
 
     /// The deck's pipeline for what a layer needs.

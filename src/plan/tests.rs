@@ -236,8 +236,7 @@ fn a_lopsided_frustum_and_a_mirror_bend_the_rays_as_told() {
     let level = plan(&snapshot, &snapshot.views[0], Output::Srgb8).camera;
     let axis = glam::Vec3::from(level.forward);
     let [left_deg, right_deg, top_deg, bottom_deg] = [-10.0, 40.0, 5.0, -20.0];
-    snapshot.views[0].frustum =
-        Some(crate::world::command::Frustum { left_deg, right_deg, top_deg, bottom_deg });
+    snapshot.views[0].frustum = Some(crate::world::command::Frustum { left_deg, right_deg, top_deg, bottom_deg });
     let camera = plan(&snapshot, &snapshot.views[0], Output::Srgb8).camera;
     let [width, height] = [camera.width_px, camera.height_px];
     // The axis of the view lies where the tangents say: 10 degrees from the left side and 5 below the upper one.

@@ -36,9 +36,10 @@ pub fn luminance(ground: &Ground, map: &[u8], camera: &Camera, direction: Vec3, 
     // Footprint of a pixel on the ground: finer detail than that is averaged away.
     let footprint = t_m * t_m / camera.eye_m.max(10.0) * Vec3::from(camera.up).length() * 2.0 / camera.height_px;
     let fade = |texel: f32| 1.0 - smoothstep(0.5 * texel, 2.0 * texel, footprint);
-    let sea = 1.0 - smoothstep(0.405, 0.415, at(1.0, 0.0) + 0.03 * fade(2_000.0) * (at(8.0, 0.37) - 0.5));
-    let fields = fade(160.0) * (at(5.0, 0.61) - 0.5) + 0.7 * fade(40.0) * (at(20.0, 0.17) - 0.5);
-    let relief = fade(800.0) * (at(3.0, 0.83) - 0.5);
+    let detail = |scale: f32, offset: f32, fade: f32| if fade > 0.0 { fade * (at(scale, offset) - 0.5) } else { 0.0 };
+    let sea = 1.0 - smoothstep(0.405, 0.415, at(1.0, 0.0) + 0.03 * detail(8.0, 0.37, fade(2_000.0)));
+    let fields = detail(5.0, 0.61, fade(160.0)) + 0.7 * detail(20.0, 0.17, fade(40.0));
+    let relief = detail(3.0, 0.83, fade(800.0));
     let land = Vec3::new(0.125, 0.135, 0.070)
         + Vec3::new(0.085, 0.060, 0.035) * fields
         + Vec3::new(0.03, 0.035, 0.02) * relief;
@@ -61,6 +62,9 @@ pub fn luminance(ground: &Ground, map: &[u8], camera: &Camera, direction: Vec3, 
     let mirrored =
         Vec3::from(ground.sky_lux) * (std::f32::consts::FRAC_1_PI * fresnel) + Vec3::from(ground.light_lux) * glitter;
     seen += mirrored * sea;
-    let towns = smoothstep(0.86, 0.97, at(9.0, 0.29)) * (1.0 - sea) * (0.35 + 0.65 * at(60.0, 0.71));
-    seen + Vec3::new(1.0, 0.72, 0.42) * (ground.city_luminance * towns)
+    if ground.city_luminance > 0.0 {
+        let towns = smoothstep(0.86, 0.97, at(9.0, 0.29)) * (1.0 - sea) * (0.35 + 0.65 * at(60.0, 0.71));
+        seen += Vec3::new(1.0, 0.72, 0.42) * (ground.city_luminance * towns);
+    }
+    seen
 }
