@@ -23,6 +23,10 @@ pub struct Eye {
     pub earth_m: f64,
     /// Height over that sphere.
     pub height_m: f64,
+    /// The eye's place.
+    pub position: Geodetic,
+    /// How far below the lowest height the eye would be, and has been lifted.
+    pub lifted_m: f64,
     /// Right, up and forward axes of the picture in east, north, up.
     pub axes: [Vec3; 3],
 }
@@ -45,6 +49,8 @@ impl Eye {
             zenith: axes_enu.z_axis,
             earth_m: Curvature::at(position.latitude_rad).mean_m(),
             height_m: position.altitude_m,
+            lifted_m: position.altitude_m - place.altitude_m,
+            position,
             axes: [column(DVec3::Y), column(DVec3::NEG_Z), column(DVec3::X)],
         }
     }

@@ -1,35 +1,29 @@
 //! How much light there is: from sun, moon and sky, through the layers from the top down, and the exposure it asks for.
 
+mod column;
+mod exposure;
+
 use super::PassNote;
 use super::eye::Eye;
+use super::regions::NearRegion;
 use crate::passes::common::{AIR_SCALE_M, Camera};
 use crate::passes::deck::{FLASHES, Flash};
 use crate::passes::ground::Ground;
 use crate::passes::sky::Sky;
 use crate::passes::sky::atmosphere::{Air, Luminary, MOON_LUX, SUN_LUX};
 use crate::passes::sky::table::TableParams;
-use crate::world::command::{Exposure, Frustum};
+use crate::world::command::Frustum;
 use crate::world::regions::weight_at;
-use crate::world::snapshot::{FlashState, LayerState, Snapshot, ViewState};
+use crate::world::snapshot::{Snapshot, ViewState};
+use column::{ClearSky, Column, Level};
 use glam::{DQuat, Vec3};
 
 /// Angular radius of the sun and, nearly, of the moon.
 const DISC_RAD: f32 = 0.004_65;
+/// Sine of the elevation (-21 degrees) below which a light gives no twilight any more.
+const LAST_TWILIGHT: f32 = -0.36;
 /// Contrast of 5 % at the visibility: extinction is -ln(0.05) over it (WMO-No. 8, meteorological optical range).
 const VISIBILITY_DEPTH: f64 = 2.996;
-
-/// Share of a flash's light that the exposure answers to: a whole answer would turn the night black around it, none
-/// would leave a white picture without shape.
-const FLASH_METERED: f32 = 0.3;
-
-/// Light at one height: on a plane facing the source, and on a horizontal plane from all the rest.
-#[derive(Clone, Copy, Debug)]
-pub struct Level {
-    /// Lux per colour, facing the source.
-    pub direct_lux: Vec3,
-    /// Lux per colour, horizontal.
-    pub diffuse_lux: Vec3,
-}
 
 /// The light of a moment around the eye.
 pub struct Illuminance {
@@ -37,11 +31,9 @@ pub struct Illuminance {
     pub table: TableParams,
     /// The brighter of sun and moon, as a direction (east, north, up).
     pub source: Vec3,
-    /// Light above each global layer, by its index.
-    pub above_layer: Vec<Level>,
-    /// Light above all layers.
-    pub top: Level,
-    /// Light at the ground.
+    /// Light under the global weather, then under that of each region in sight.
+    pub columns: Vec<Column>,
+    /// Light at the ground under the eye, the columns weighted as they rule there.
     pub ground: Level,
     /// Factor from cd/m2 to tone-mapped values.
     pub exposure: f32,
@@ -51,8 +43,8 @@ pub struct Illuminance {
 }
 
 impl Illuminance {
-    /// The light of a snapshot at an eye.
-    pub fn new(snapshot: &Snapshot, eye: &Eye, view: &ViewState) -> Self {
+    /// The light of a snapshot at an eye, under the global weather and that of the regions in sight.
+    pub fn new(snapshot: &Snapshot, eye: &Eye, view: &ViewState, regions: &[NearRegion]) -> Self {
         let sun = eye.direction(snapshot.sky.sun_direction_ecef);
         let moon = eye.direction(snapshot.sky.moon_direction_ecef);
         let haze = VISIBILITY_DEPTH / visibility_m(snapshot).max(1.0) - 1.2e-5;
@@ -60,7 +52,7 @@ impl Illuminance {
         let lights = [
             Luminary {
                 direction: sun,
-                illuminance_lux: if snapshot.sky.sun_shines && sun.z > -0.31 {
+                illuminance_lux: if snapshot.sky.sun_shines && sun.z > LAST_TWILIGHT {
                     Vec3::splat(SUN_LUX)
                 } else {
                     Vec3::ZERO
@@ -90,33 +82,14 @@ impl Illuminance {
             direct_lux: air.transmittance(height_m, key.direction.z) * key.illuminance_lux,
             diffuse_lux: skylight(&air, height_m, &lights) + Vec3::splat(std::f32::consts::PI * night_luminance),
         };
-        let layers = &snapshot.weather.layers;
-        let top_m = layers.last().map_or(0.0, |l| l.base_m + l.thickness_m) as f32;
-        let (top, clear) = (level(top_m.max(1_000.0)), level(0.0));
         let mu = key.direction.z.max(0.02);
-        let mut now = top;
-        let mut at_eye = level(eye.height_m as f32);
-        let mut above_layer = vec![top; layers.len()];
-        for (i, layer) in layers.iter().enumerate().rev() {
-            above_layer[i] = now;
-            let through = pass(layer, now, mu);
-            let share = ((eye.height_m - layer.base_m) / layer.thickness_m).clamp(0.0, 1.0) as f32;
-            at_eye = pass_share(at_eye, now, through, 1.0 - share);
-            now = through;
-        }
-        // The air below the layers takes its part too.
-        let lower = |above: Vec3, clear: Vec3, top: Vec3| above * (clear / top.max(Vec3::splat(1e-9))).min(Vec3::ONE);
-        let ground = Level {
-            direct_lux: lower(now.direct_lux, clear.direct_lux, top.direct_lux),
-            diffuse_lux: lower(now.diffuse_lux, clear.diffuse_lux.max(0.9 * top.diffuse_lux), top.diffuse_lux),
-        };
-        let ev = match view.exposure {
-            Exposure::Ev100(ev) => ev as f32,
-            Exposure::Automatic => {
-                let steady_lux = at_eye.direct_lux.y * (0.2 + 0.8 * mu) + at_eye.diffuse_lux.y;
-                automatic_ev(steady_lux + FLASH_METERED * flash_lux(snapshot, eye))
-            }
-        };
+        let clear = ClearSky { at: &level, eye: level(eye.height_m as f32), ground: level(0.0), mu };
+        let weathers = std::iter::once(&snapshot.weather).chain(regions.iter().map(|region| &region.state.weather));
+        let columns: Vec<Column> = weathers.map(|w| Column::new(&w.layers, &clear, eye.height_m)).collect();
+        let shares = shares(regions);
+        let here = |level: fn(&Column) -> Level| Level::mixed(shares.iter().copied().zip(columns.iter().map(level)));
+        let (at_eye, ground) = (here(|column| column.eye), here(|column| column.ground));
+        let ev = exposure::ev100(view.exposure, &at_eye, mu, snapshot, eye);
         let height_m = quantised(eye.height_m as f32);
         let scale = (1.2 * ev.exp2()).log2().round().exp2();
         let table = TableParams {
@@ -130,7 +103,7 @@ impl Illuminance {
         let night = 1.0 - crate::passes::common::smoothstep(-0.14, -0.03, sun.z);
         // Full scale at 1.2 * 2^EV cd/m2 (ISO 2720 with K = 12.5 and saturation-based speed).
         let exposure = 1.0 / (1.2 * ev.exp2());
-        Self { table, source: key.direction, above_layer, top, ground, exposure, air, lights, night }
+        Self { table, source: key.direction, columns, ground, exposure, air, lights, night }
     }
 
     /// The camera of a view.
@@ -204,9 +177,9 @@ impl Illuminance {
         })
     }
 
-    /// Light that comes up from the ground, over 4 pi, lux per colour.
-    pub fn upwelling_lux(&self) -> Vec3 {
-        let ground = self.ground.direct_lux * self.source.z.max(0.0) + self.ground.diffuse_lux;
+    /// Light that comes up from the ground under one of the columns, over 4 pi, lux per colour.
+    pub fn upwelling_lux(&self, column: usize) -> Vec3 {
+        let ground = self.columns[column].ground.horizontal_lux(self.source.z);
         (ground * 0.13 + Vec3::new(1.0, 0.72, 0.42) * (0.08 * self.night)) * (2.0 * 0.079_577_47)
     }
 }
@@ -219,10 +192,18 @@ fn visibility_m(snapshot: &Snapshot) -> f64 {
     })
 }
 
+/// How much each column's weather rules at the eye, adding up to 1: the surroundings', then each region's. Where regions
+/// overlap, the mean of their weathers counts.
+fn shares(regions: &[NearRegion]) -> Vec<f32> {
+    let around: f64 = regions.iter().map(|region| 1.0 - region.weight).product();
+    let all = around + regions.iter().map(|region| region.weight).sum::<f64>();
+    std::iter::once(around).chain(regions.iter().map(|region| region.weight)).map(|w| (w / all) as f32).collect()
+}
+
 /// Illuminance outside the air by the moon's phase (Allen 1973: m = -12.73 + 0.026 a + 4e-9 a^4, a in degrees); none
-/// while it is down or the sun outshines it.
+/// while not even its twilight is left, or the sun outshines it five hundred times.
 fn moonlight(lit_fraction: f64, sun_up: f32, moon_up: f32) -> Vec3 {
-    if sun_up > -0.05 || moon_up < -0.03 {
+    if sun_up > -0.05 || moon_up < LAST_TWILIGHT {
         return Vec3::ZERO;
     }
     let phase_deg = (2.0 * lit_fraction - 1.0).clamp(-1.0, 1.0).acos().to_degrees();
@@ -234,6 +215,7 @@ fn moonlight(lit_fraction: f64, sun_up: f32, moon_up: f32) -> Vec3 {
 fn skylight(air: &Air, height_m: f32, lights: &[Luminary; 2]) -> Vec3 {
     let (rows, columns) = (6, 8);
     let mut sum = Vec3::ZERO;
+    let lights: Vec<Luminary> = lights.iter().filter(|l| l.illuminance_lux != Vec3::ZERO).copied().collect();
     for row in 0..rows {
         // Equal shares of cos(zenith angle)^2, so that every direction weighs the same.
         let up = ((row as f32 + 0.5) / rows as f32).sqrt();
@@ -241,49 +223,10 @@ fn skylight(air: &Air, height_m: f32, lights: &[Luminary; 2]) -> Vec3 {
         for column in 0..columns {
             let azimuth = (column as f32 + 0.5 * (row % 2) as f32) / columns as f32 * std::f32::consts::TAU;
             let direction = Vec3::new(azimuth.cos() * flat, azimuth.sin() * flat, up);
-            sum += air.inscatter(height_m, direction, lights, 12).0;
+            sum += air.inscatter(height_m, direction, &lights, 12).0;
         }
     }
     sum * (std::f32::consts::PI / (rows * columns) as f32)
-}
-
-/// Light below a layer: what its gaps let through and what it transmits diffusely (Eddington, see `passes::light`).
-fn pass(layer: &LayerState, above: Level, mu: f32) -> Level {
-    let cover = layer.coverage as f32;
-    let depth = 0.6 * layer.kind.appearance().extinction_per_m * (layer.density * layer.thickness_m) as f32;
-    let reduced = 4.0 / 3.0 + (1.0 - crate::passes::light::ASYMMETRY) * depth;
-    let (from_source, from_sky) = ((2.0 / 3.0 + mu) / reduced, (4.0 / 3.0) / reduced);
-    Level {
-        direct_lux: above.direct_lux * (1.0 - cover * (1.0 - (-depth / mu).exp())),
-        diffuse_lux: above.diffuse_lux * (1.0 - cover + cover * from_sky.min(1.0))
-            + above.direct_lux * (cover * mu * from_source.min(1.0)),
-    }
-}
-
-/// Applies a share of what a layer does to the light at the eye.
-fn pass_share(eye: Level, above: Level, below: Level, share: f32) -> Level {
-    let apply = |eye: Vec3, above: Vec3, below: Vec3| {
-        let ratio = below / above.max(Vec3::splat(1e-9));
-        eye * (Vec3::ONE + (ratio - Vec3::ONE) * share)
-    };
-    Level {
-        direct_lux: apply(eye.direct_lux, above.direct_lux, below.direct_lux),
-        diffuse_lux: apply(eye.diffuse_lux, above.diffuse_lux, below.diffuse_lux),
-    }
-}
-
-/// Illuminance of the eye by the flashes of the shutter interval, lux, clouds in between not counted.
-fn flash_lux(snapshot: &Snapshot, eye: &Eye) -> f32 {
-    let at = |f: &FlashState| {
-        let away = eye.place(&f.position) - Vec3::new(0.0, 0.0, eye.height_m as f32);
-        f.intensity_cd as f32 / away.length_squared().max(1e6)
-    };
-    snapshot.flashes.iter().map(at).sum()
-}
-
-/// Exposure value for an illuminance: like a camera's meter by day, lagging behind at night as eyes do.
-fn automatic_ev(lux: f32) -> f32 {
-    (14.6 + 0.82 * (lux.max(1e-6) / 1e5).log2()).clamp(-2.0, 15.5)
 }
 
 fn horizon(earth_m: f32, height_m: f32) -> f32 {
@@ -303,3 +246,6 @@ fn quantised_direction(direction: Vec3) -> Vec3 {
     let rounded = (direction / step).round() * step;
     rounded.try_normalize().unwrap_or(direction)
 }
+
+#[cfg(test)]
+mod tests;

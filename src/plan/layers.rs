@@ -1,7 +1,7 @@
 //! The cloud layers in sight, with every number that the light and deck passes read.
 
 use super::eye::Eye;
-use super::illuminance::{Illuminance, Level};
+use super::illuminance::Illuminance;
 use super::regions::NearRegion;
 use super::{LayerPlan, PassNote};
 use crate::clouds::coverage::Coverage;
@@ -41,9 +41,17 @@ pub fn flashes(snapshot: &Snapshot, eye: &Eye, notes: &mut Vec<PassNote>) -> Vec
     lit.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
     let why = match lit.len() {
         0 => "no flash gives light in this frame".to_string(),
-        n if n > FLASHES => format!("{n} flashes give light, the brightest {FLASHES} are drawn"),
+        n if n > FLASHES => {
+            format!("{n} flashes give light, the brightest {FLASHES} are drawn, less the light of the next")
+        }
         n => format!("{n} flashes give light"),
     };
+    if let Some(next) = lit.get(FLASHES).map(strength) {
+        // A flash comes and goes at the cut with no light.
+        for flash in &mut lit[..FLASHES] {
+            flash.intensity *= 1.0 - next / strength(flash);
+        }
+    }
     notes.push(PassNote { pass: "flash", kept: !lit.is_empty(), why });
     lit.truncate(FLASHES);
     lit
@@ -60,12 +68,10 @@ pub fn in_sight(
 ) -> Vec<LayerPlan> {
     let context = Context { snapshot, eye, light, regions, flashes };
     let mut plans = Vec::new();
-    for (i, layer) in snapshot.weather.layers.iter().enumerate() {
-        plans.extend(context.layer(layer, 0, light.above_layer[i], notes));
-    }
-    for (i, region) in regions.iter().enumerate() {
-        for layer in &region.state.weather.layers {
-            plans.extend(context.layer(layer, i as u32 + 1, light.top, notes));
+    let weathers = std::iter::once(&snapshot.weather).chain(regions.iter().map(|region| &region.state.weather));
+    for (column, weather) in weathers.enumerate() {
+        for (i, layer) in weather.layers.iter().enumerate() {
+            plans.extend(context.layer(layer, column, i, notes));
         }
     }
     if plans.is_empty() {
@@ -84,7 +90,9 @@ struct Context<'a> {
 }
 
 impl Context<'_> {
-    fn layer(&self, state: &LayerState, region: u32, above: Level, notes: &mut Vec<PassNote>) -> Option<LayerPlan> {
+    /// Layer `index` of a weather: the global one's (column 0) or that of a region in sight (from 1).
+    fn layer(&self, state: &LayerState, column: usize, index: usize, notes: &mut Vec<PassNote>) -> Option<LayerPlan> {
+        let above = self.light.columns[column].above[index];
         let mut note = |kept, why: String| notes.push(PassNote { pass: "deck", kept, why });
         let name = format!("{:?} at {:.0} m", state.kind, state.base_m);
         if state.coverage < 1e-3 || state.density <= 0.0 {
@@ -116,7 +124,7 @@ impl Context<'_> {
             thickness_m: state.thickness_m as f32,
             sky_lux: (above.diffuse_lux * 0.079_577_47).into(),
             extinction_per_m: extinction,
-            ground_lux: self.light.upwelling_lux().into(),
+            ground_lux: self.light.upwelling_lux(column).into(),
             inverse_edge: 1.0 / look.edge,
             theta: threshold.offset,
             patchiness: threshold.patchiness,
@@ -129,7 +137,7 @@ impl Context<'_> {
             charts: near.len() as u32,
             regions: self.regions.len() as u32,
             flashes: self.flashes.len() as u32,
-            region,
+            region: column as u32,
             detail_origin: origin,
             reach_m: 0.3 * density::TILE_M / look.elements[0].max(look.elements[1]) as f32,
             step_m: (1_200.0 / quality.slices as f32).max(4.0),

@@ -80,8 +80,13 @@ pub enum Output {
 pub fn plan(snapshot: &Snapshot, view: &ViewState, output: Output) -> FramePlan {
     let eye = eye::Eye::new(&snapshot.ownship, view);
     let mut notes = Vec::new();
+    if eye.lifted_m > 0.0 {
+        let (height_m, lifted_m) = (eye::LOWEST_EYE_M, eye.lifted_m);
+        let why = format!("the eye is {lifted_m:.1} m too low and is drawn {height_m} m above the ellipsoid");
+        notes.push(PassNote { pass: "eye", kept: true, why });
+    }
     let regions = regions::near(snapshot, &eye, &mut notes);
-    let light = illuminance::Illuminance::new(snapshot, &eye, view);
+    let light = illuminance::Illuminance::new(snapshot, &eye, view, &regions);
     let flashes = layers::flashes(snapshot, &eye, &mut notes);
     let layers = layers::in_sight(snapshot, &eye, &light, &regions, &flashes, &mut notes);
     let ground = light.ground(&eye, &flashes, &mut notes);

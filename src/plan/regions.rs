@@ -5,6 +5,7 @@ use super::eye::Eye;
 use crate::geo::Geodetic;
 use crate::passes::deck::{REGIONS, Region};
 use crate::world::command::RegionShape;
+use crate::world::regions::weight_at;
 use crate::world::snapshot::{RegionState, Snapshot};
 use glam::{DVec2, DVec3};
 
@@ -14,7 +15,14 @@ pub struct NearRegion<'a> {
     pub state: &'a RegionState,
     /// Its outline.
     pub outline: Region,
+    /// How much its weather rules at the eye, 0 to 1.
+    pub weight: f64,
 }
+
+/// Layers of regions that are drawn at once: each keeps up to three light volumes of 8 MiB (16 MiB on a device).
+const LAYERS: usize = 32;
+/// Over this distance before the first region that is not drawn, those that are fade.
+const FADE_M: f64 = 20_000.0;
 
 /// Regions with any weight within sight, nearest first; what does not fit is said in a note.
 pub fn near<'a>(snapshot: &'a Snapshot, eye: &Eye, notes: &mut Vec<PassNote>) -> Vec<NearRegion<'a>> {
@@ -24,7 +32,8 @@ pub fn near<'a>(snapshot: &'a Snapshot, eye: &Eye, notes: &mut Vec<PassNote>) ->
         .filter(|r| r.presence > 0.0)
         .map(|state| {
             let (outline, distance_m) = outline(&state.shape, state.presence, eye);
-            (distance_m, NearRegion { state, outline })
+            let weight = state.presence * weight_at(&state.shape, &eye.position);
+            (distance_m, NearRegion { state, outline, weight })
         })
         .collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -34,14 +43,41 @@ pub fn near<'a>(snapshot: &'a Snapshot, eye: &Eye, notes: &mut Vec<PassNote>) ->
     if beyond > 0 {
         notes.push(note(false, format!("{beyond} regions lie beyond the horizon")));
     }
-    if found.len() > REGIONS {
-        notes.push(note(false, format!("{} regions in sight, the nearest {REGIONS} are drawn", found.len())));
-        found.truncate(REGIONS);
+    let in_sight = found.len();
+    let drawn = fitting(&found);
+    if drawn < in_sight {
+        fade_before(found[drawn].0, &mut found[..drawn]);
+        let why =
+            format!("{in_sight} regions in sight, the nearest {drawn} are drawn: {LAYERS} layers of regions at most");
+        notes.push(note(false, why));
+        found.truncate(drawn);
     }
-    if !found.is_empty() {
-        notes.push(note(true, format!("{} regions in sight", found.len())));
+    if drawn > 0 {
+        notes.push(note(true, format!("{drawn} regions in sight")));
     }
     found.into_iter().map(|(_, region)| region).collect()
+}
+
+/// How many of the regions, nearest first, have no more layers than are drawn; the first always is.
+fn fitting(found: &[(f64, NearRegion)]) -> usize {
+    let mut layers = 0;
+    let fits = |(_, region): &&(f64, NearRegion)| {
+        layers += region.state.weather.layers.len();
+        layers <= LAYERS
+    };
+    found.iter().take(REGIONS).take_while(fits).count()
+}
+
+/// Lets the regions that are drawn ease to nothing towards the distance of the first that is not, so that none appears or
+/// vanishes at once when another comes nearer. The nearest stays as it is.
+fn fade_before(cut_m: f64, drawn: &mut [(f64, NearRegion)]) {
+    let nearest_m = drawn.first().map_or(0.0, |(distance_m, _)| *distance_m);
+    let width_m = FADE_M.min(cut_m - nearest_m).max(1e-3);
+    for (distance_m, region) in drawn.iter_mut().skip(1) {
+        let share = ((cut_m - *distance_m) / width_m).clamp(0.0, 1.0);
+        region.weight *= share;
+        region.outline.presence *= share as f32;
+    }
 }
 
 fn note(kept: bool, why: String) -> PassNote {
@@ -90,4 +126,65 @@ fn place(shape: &RegionShape, eye: &Eye, east_rad: f64, north_rad: f64) -> DVec2
         return level.normalize_or(DVec2::X) * (24.0 * eye.earth_m);
     }
     level * (2.0 * eye.earth_m / (1.0 + local.z))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::scenes::{clear_day, layer, region};
+    use crate::world::limits::{MAX_LAYERS, MAX_REGIONS};
+
+    #[test]
+    fn all_regions_that_the_world_takes_fit() {
+        assert_eq!(REGIONS, MAX_REGIONS);
+        let mut snapshot = clear_day();
+        for k in 0..MAX_REGIONS {
+            snapshot.regions.push(region(47.0 + 0.05 * k as f64, 8.0, 4_000.0, 1_000.0));
+        }
+        let eye = Eye::new(&snapshot.ownship, &snapshot.views[0]);
+        let near = near(&snapshot, &eye, &mut Vec::new());
+        assert_eq!(near.len(), MAX_REGIONS);
+        assert!(near.iter().all(|r| r.outline.presence == 1.0), "and none is faded");
+    }
+
+    /// Eight regions of eight layers, north of each other.
+    fn crowded() -> Snapshot {
+        let mut snapshot = clear_day();
+        for k in 0..8 {
+            let mut own = region(46.0 + 0.3 * f64::from(k), 8.0, 4_000.0, 1_000.0);
+            own.shape.name = format!("region-{k}");
+            own.weather.layers =
+                (0..MAX_LAYERS).map(|i| layer(crate::clouds::CloudKind::Cumulus, 1e3 * i as f64, 500.0)).collect();
+            snapshot.regions.push(own);
+        }
+        snapshot
+    }
+
+    #[test]
+    fn too_many_layers_of_regions_are_told_and_go_without_a_jump() {
+        let mut snapshot = crowded();
+        let mut before: Option<Vec<f32>> = None;
+        let mut changes = 0;
+        for k in 0..400 {
+            // 2 degrees northwards in steps of 550 m.
+            snapshot.ownship.position.latitude_rad = (46.0 + 0.005 * f64::from(k)).to_radians();
+            let eye = Eye::new(&snapshot.ownship, &snapshot.views[0]);
+            let mut notes = Vec::new();
+            let near = near(&snapshot, &eye, &mut notes);
+            assert_eq!(near.len(), LAYERS / MAX_LAYERS);
+            assert!(notes.iter().any(|note| !note.kept && note.why.contains("nearest 4 are drawn")), "{notes:?}");
+            assert_eq!(near[0].outline.presence, 1.0, "the nearest is whole");
+            let presence =
+                |name: &str| near.iter().find(|r| r.state.shape.name == name).map_or(0.0, |r| r.outline.presence);
+            let now: Vec<f32> = (0..8).map(|i| presence(&format!("region-{i}"))).collect();
+            if let Some(before) = &before {
+                let step = now.iter().zip(before).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+                // Two that come nearer and go at 550 m a step ease over 20 km.
+                assert!(step < 1_150.0 / FADE_M as f32, "step {k}: {before:?} {now:?}");
+                changes += usize::from(now.iter().zip(before).any(|(a, b)| (*a > 0.0) != (*b > 0.0)));
+            }
+            before = Some(now);
+        }
+        assert!(changes >= 3, "others came into the number: {changes} times");
+    }
 }

@@ -7,6 +7,7 @@ use crate::clouds::{density, detail, modulation};
 use crate::geo::Geodetic;
 use crate::geo::wgs84::{from_ecef, to_ecef};
 use crate::passes::common::stereographic;
+use crate::passes::deck::FLASHES;
 use crate::passes::deck::field::{BOUNDS_WIDTH, Textures, margin};
 use bytemuck::Pod;
 use glam::{DQuat, DVec3, Vec2};
@@ -270,4 +271,39 @@ fn a_view_is_where_its_carrier_is_and_lights_can_be_put_out() {
     snapshot.sky.sun_shines = false;
     let dark = plan(&snapshot, &snapshot.views[0], Output::Srgb8);
     assert_eq!(dark.sky.sun_luminance, [0.0; 3]);
+}
+
+#[test]
+fn an_eye_in_the_ground_is_lifted_and_told() {
+    let note = |altitude_m| {
+        let plan = plan_of(&cumulus_at(place(47.0, 8.0, altitude_m)));
+        (plan.camera.eye_m, plan.notes.into_iter().find(|note| note.pass == "eye").map(|note| note.why))
+    };
+    assert_eq!(note(1.6).1, None);
+    let (eye_m, why) = note(-1_000.0);
+    // f32 holds the height of the eye, the ellipsoid is met in f64 to a nanometre.
+    assert!(
+        (eye_m - 1.5).abs() < 1e-6 && why.as_deref().is_some_and(|why| why.contains("1001.5 m too low")),
+        "{why:?}"
+    );
+}
+
+#[test]
+fn a_flash_that_leaves_the_brightest_gives_no_light_at_the_cut() {
+    let far = |k: usize| flash(place(47.3 + 0.01 * k as f64, 8.0, 3_000.0));
+    let mut snapshot = clear_day();
+    snapshot.flashes = (0..FLASHES).map(far).collect();
+    let drawn = |s: &Snapshot| plan_of(s).ground.unwrap().flash.map(|f| f.intensity);
+    let all = drawn(&snapshot);
+    assert!(all.iter().all(|i| *i == all[0]), "as many as there may be are drawn as they are");
+    // One more, as strong at the eye as the weakest: of both nothing is left, so that it does not matter which is drawn.
+    snapshot.flashes.push(snapshot.flashes[FLASHES - 1].clone());
+    let more = drawn(&snapshot);
+    assert_eq!(more[FLASHES - 1], 0.0);
+    assert!(more[0] > 0.5 * all[0], "{} of {}", more[0], all[0]);
+    assert!(more.windows(2).all(|pair| pair[0] >= pair[1]), "brightest first");
+    // And continuously: a flash without light takes nothing away.
+    snapshot.flashes[FLASHES].intensity_cd = 1e-3;
+    let none = drawn(&snapshot);
+    assert!(none.iter().zip(&all).all(|(a, b)| (a / b - 1.0).abs() < 1e-6));
 }

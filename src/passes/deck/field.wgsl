@@ -37,8 +37,8 @@ struct Layer {
     reach_m: f32,
     step_m: f32,
     chart: array<Chart, 3>,
-    outline: array<Region, 4>,
-    flash: array<Flash, 8>,
+    outline: array<Region, 16>,
+    flash: array<Flash, 64>,
 }
 
 // What a scene does not need is not in its pipeline.

@@ -14,9 +14,9 @@ use crate::passes::common::{CHARTS, Chart};
 use bytemuck::{Pod, Zeroable};
 
 /// Regions that may shape a layer at once.
-pub const REGIONS: usize = 4;
+pub const REGIONS: usize = 16;
 /// Flashes that light the deck at once.
-pub const FLASHES: usize = 8;
+pub const FLASHES: usize = 64;
 
 /// A region's outline around the eye. Parameters; twin of `Region` in `deck.wgsl`.
 #[repr(C)]

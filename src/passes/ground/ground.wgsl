@@ -8,7 +8,7 @@ struct Ground {
     sky_lux: vec3<f32>,
     charts: u32,
     chart: array<Chart, 3>,
-    flash: array<Flash, 8>,
+    flash: array<Flash, 64>,
 }
 
 @group(1) @binding(0) var<storage, read> ground: Ground;

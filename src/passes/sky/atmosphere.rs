@@ -1,9 +1,10 @@
-//! The air: extinction of sunlight on its way and light scattered towards the eye, single scattering plus an isotropic
-//! share for the higher orders.
+//! The air: extinction of sunlight on its way and light scattered towards the eye: the first order along the ray, the
+//! higher ones from [`multiple`](super::multiple).
 //!
 //! Coefficients at sea level after Hillaire 2020, table 1 (molecules and ozone); scale heights 8 and
 //! 1.2 km. Three wavelengths stand for red, green and blue; illuminance outside the air is 128 klx.
 
+use super::multiple::HigherOrders;
 use crate::passes::common::{AIR_SCALE_M, HAZE_SCALE_M};
 use glam::Vec3;
 use std::sync::LazyLock;
@@ -16,9 +17,12 @@ pub const MOON_LUX: f32 = 0.32;
 pub const RAYLEIGH_PER_M: Vec3 = Vec3::new(5.802e-6, 13.558e-6, 33.1e-6);
 const OZONE_PER_M: Vec3 = Vec3::new(0.650e-6, 1.881e-6, 0.085e-6);
 const EARTH_M: f32 = 6_371_000.0;
-const TOP_M: f32 = 100_000.0;
+/// Height at which the air ends.
+pub const TOP_M: f32 = 100_000.0;
 /// Haze particles absorb a tenth of what they take out (Hillaire 2020, table 1).
-const HAZE_ALBEDO: f32 = 0.9;
+pub const HAZE_ALBEDO: f32 = 0.9;
+/// Asymmetry of their phase function.
+pub const HAZE_ASYMMETRY: f32 = 0.76;
 const HEIGHTS: usize = 64;
 const COSINES: usize = 256;
 
@@ -45,19 +49,19 @@ impl Air {
         (-(RAYLEIGH_PER_M * rayleigh + Vec3::splat(self.haze_per_m * haze) + OZONE_PER_M * ozone)).exp()
     }
 
+    /// The same for light of higher orders: what the haze takes out of it goes on, most of it forwards, so that haze counts
+    /// as a slab that transmits diffusely (Eddington's 1 / (1 + 3/4 (1 - g) tau)).
+    pub fn diffuse_transmittance(&self, height_m: f32, up: f32) -> Vec3 {
+        let [rayleigh, haze, ozone] = columns(height_m, up);
+        let through_haze = 1.0 / (1.0 + 0.75 * (1.0 - HAZE_ASYMMETRY) * self.haze_per_m * haze);
+        (-(RAYLEIGH_PER_M * rayleigh + OZONE_PER_M * ozone)).exp() * through_haze
+    }
+
     /// Light scattered into a ray from a height, cd/m2 per colour, and the transmittance of the ray (to the ground or
     /// to space), by `steps` steps that grow with the distance.
     pub fn inscatter(&self, eye_m: f32, direction: Vec3, lights: &[Luminary], steps: u32) -> (Vec3, Vec3) {
-        let r = EARTH_M + eye_m;
-        let b = r * direction.z;
-        let ground = b * b - eye_m * (2.0 * EARTH_M + eye_m);
-        let end = if direction.z < 0.0 && ground >= 0.0 {
-            eye_m * (2.0 * EARTH_M + eye_m) / (ground.sqrt() - b)
-        } else {
-            let c = (eye_m - TOP_M) * (2.0 * EARTH_M + eye_m + TOP_M);
-            // From above the air, a ray that leaves the Earth has its end behind it.
-            ((b * b - c).max(0.0).sqrt() - b).max(0.0)
-        };
+        let end = path(eye_m, direction.z).0;
+        let higher = HigherOrders::of(self);
         let (mut light, mut passed) = (Vec3::ZERO, Vec3::ONE);
         let mut before = 0.0;
         for step in 0..steps {
@@ -65,25 +69,20 @@ impl Air {
             let t = end * share * share;
             let (mid, ds) = (0.5 * (t + before), t - before);
             before = t;
-            let p = direction * mid + Vec3::new(0.0, 0.0, r);
-            let radius = p.length();
-            let height = (radius - EARTH_M).max(0.0);
+            let height = Medium::along(eye_m, direction, direction, mid).height_m;
             let rayleigh = RAYLEIGH_PER_M * (-height / AIR_SCALE_M).exp();
             let haze = self.haze_per_m * (-height / HAZE_SCALE_M).exp();
             let extinction = rayleigh + Vec3::splat(haze) + OZONE_PER_M * ozone_density(height);
             let through = (-extinction * ds).exp();
             let mut source = Vec3::ZERO;
             for l in lights {
-                let up = p.dot(l.direction) / radius;
+                let up = Medium::along(eye_m, direction, l.direction, mid).up;
                 let lit = self.transmittance(height, up) * l.illuminance_lux;
                 let cos = direction.dot(l.direction);
                 let single =
                     rayleigh * (0.059_683 * (1.0 + cos * cos)) + Vec3::splat(HAZE_ALBEDO * haze * haze_phase(cos));
-                // Higher orders: nearly isotropic; their share of the single one was chosen by
-                // eye and is not calibrated against measured luminances.
-                let dusk = self.transmittance(height + 4_000.0, up.max(-0.06) + 0.06) * l.illuminance_lux;
-                let fade = ((up + 0.30) / 0.36).clamp(0.0, 1.0).powi(4);
-                source += lit * single + dusk * fade * (rayleigh + Vec3::splat(HAZE_ALBEDO * haze)) * 0.045;
+                let further = higher.luminance(height, up) * l.illuminance_lux;
+                source += lit * single + further * (rayleigh + Vec3::splat(HAZE_ALBEDO * haze));
             }
             light += passed * source * ((Vec3::ONE - through) / extinction.max(Vec3::splat(1e-12)));
             passed *= through;
@@ -92,9 +91,43 @@ impl Air {
     }
 }
 
+/// A point of a ray in the air.
+pub struct Medium {
+    /// Height of the point.
+    pub height_m: f32,
+    /// Cosine of a light's direction against the zenith there.
+    pub up: f32,
+}
+
+impl Medium {
+    /// The point at range `t_m` along a ray from a height.
+    pub fn along(eye_m: f32, direction: Vec3, light: Vec3, t_m: f32) -> Self {
+        let p = direction * t_m + Vec3::new(0.0, 0.0, EARTH_M + eye_m);
+        let radius = p.length();
+        Self { height_m: (radius - EARTH_M).max(0.0), up: p.dot(light) / radius }
+    }
+
+    /// Absorption by ozone at a height, 1/m.
+    pub fn ozone_per_m(height_m: f32) -> Vec3 {
+        OZONE_PER_M * ozone_density(height_m)
+    }
+}
+
+/// Length of a ray from a height through the air, to the ground or to space, and whether it ends at the ground.
+pub fn path(eye_m: f32, up: f32) -> (f32, bool) {
+    let b = (EARTH_M + eye_m) * up;
+    let ground = b * b - eye_m * (2.0 * EARTH_M + eye_m);
+    if up < 0.0 && ground >= 0.0 {
+        return (eye_m * (2.0 * EARTH_M + eye_m) / (ground.sqrt() - b), true);
+    }
+    let c = (eye_m - TOP_M) * (2.0 * EARTH_M + eye_m + TOP_M);
+    // From above the air, a ray that leaves the Earth has its end behind it.
+    (((b * b - c).max(0.0).sqrt() - b).max(0.0), false)
+}
+
 /// Cornette-Shanks phase function (deck paper eq. 10 over 4 pi) of haze, asymmetry 0.76, 1/sr.
 fn haze_phase(cos: f32) -> f32 {
-    let f = 0.76f32;
+    let f = HAZE_ASYMMETRY;
     let shape = 1.5 * (1.0 - f * f) / (2.0 + f * f) * (1.0 + cos * cos) / (1.0 + f * f - 2.0 * f * cos).powf(1.5);
     shape * 0.079_577_47
 }
@@ -120,10 +153,16 @@ fn columns(height_m: f32, up: f32) -> [f32; 3] {
     })
 }
 
-/// Rows are dense about the horizon of the height.
-fn cosine_to_row(height_m: f32, up: f32) -> f32 {
+/// Where a cosine stands in a table, 0 to 1: rows are dense about the horizon of the height.
+pub fn cosine_to_row(height_m: f32, up: f32) -> f32 {
     let above = up - horizon_cosine(height_m);
     0.5 + 0.5 * above.signum() * (above.abs() / 2.0).min(1.0).powf(1.0 / 3.0)
+}
+
+/// The cosine of a place in a table.
+pub fn row_to_cosine(height_m: f32, share: f32) -> f32 {
+    let row = 2.0 * share - 1.0;
+    (horizon_cosine(height_m) + 2.0 * row * row * row).clamp(-1.0, 1.0)
 }
 
 fn horizon_cosine(height_m: f32) -> f32 {
@@ -136,8 +175,7 @@ fn build_columns() -> Vec<[f32; 3]> {
     for (i, entry) in table.iter_mut().enumerate() {
         let share = (i / COSINES) as f32 / (HEIGHTS - 1) as f32;
         let height = share * share * TOP_M;
-        let row = 2.0 * ((i % COSINES) as f32 / (COSINES - 1) as f32) - 1.0;
-        let up = (horizon_cosine(height) + 2.0 * row * row * row).clamp(-1.0, 1.0);
+        let up = row_to_cosine(height, (i % COSINES) as f32 / (COSINES - 1) as f32);
         *entry = march_columns(height, up);
     }
     table

@@ -1,0 +1,39 @@
+//! The exposure value: fixed, or a function of the light at the eye and so of the snapshot alone.
+//!
+//! An automatic exposure has no memory of its own, so that every channel and every repetition shows the same picture. It
+//! eases because all that it follows eases: sun, weather, the transitions of regions, the eye's way through a layer.
+
+use super::super::eye::Eye;
+use super::column::Level;
+use crate::world::command::Exposure;
+use crate::world::snapshot::{FlashState, Snapshot};
+use glam::Vec3;
+
+/// Share of a flash's light that the exposure answers to: a whole answer would turn the night black around it, none
+/// would leave a white picture without shape.
+const FLASH_METERED: f32 = 0.3;
+
+/// The exposure value at ISO 100, given the light at the eye and the cosine of its source against the zenith.
+pub fn ev100(asked: Exposure, at_eye: &Level, mu: f32, snapshot: &Snapshot, eye: &Eye) -> f32 {
+    match asked {
+        Exposure::Ev100(ev) => ev as f32,
+        Exposure::Automatic => {
+            let steady_lux = at_eye.direct_lux.y * (0.2 + 0.8 * mu) + at_eye.diffuse_lux.y;
+            automatic_ev(steady_lux + FLASH_METERED * flash_lux(snapshot, eye))
+        }
+    }
+}
+
+/// Illuminance of the eye by the flashes of the shutter interval, lux, clouds in between not counted.
+fn flash_lux(snapshot: &Snapshot, eye: &Eye) -> f32 {
+    let at = |f: &FlashState| {
+        let away = eye.place(&f.position) - Vec3::new(0.0, 0.0, eye.height_m as f32);
+        f.intensity_cd as f32 / away.length_squared().max(1e6)
+    };
+    snapshot.flashes.iter().map(at).sum()
+}
+
+/// Exposure value for an illuminance: like a camera's meter by day, lagging behind at night as eyes do.
+fn automatic_ev(lux: f32) -> f32 {
+    (14.6 + 0.82 * (lux.max(1e-6) / 1e5).log2()).clamp(-2.0, 15.5)
+}
