@@ -1,10 +1,8 @@
-//! The air: extinction of sunlight on its way and light scattered towards the eye: the first order along the ray, the
-//! higher ones from [`multiple`](super::multiple).
+//! The air: what it is made of, and extinction of light on its way through it.
 //!
 //! Coefficients at sea level after Hillaire 2020, table 1 (molecules and ozone); scale heights 8 and
 //! 1.2 km. Three wavelengths stand for red, green and blue; illuminance outside the air is 128 klx.
 
-use super::multiple::HigherOrders;
 use crate::passes::common::{AIR_SCALE_M, HAZE_SCALE_M};
 use glam::Vec3;
 use std::sync::LazyLock;
@@ -56,39 +54,6 @@ impl Air {
         let through_haze = 1.0 / (1.0 + 0.75 * (1.0 - HAZE_ASYMMETRY) * self.haze_per_m * haze);
         (-(RAYLEIGH_PER_M * rayleigh + OZONE_PER_M * ozone)).exp() * through_haze
     }
-
-    /// Light scattered into a ray from a height, cd/m2 per colour, and the transmittance of the ray (to the ground or
-    /// to space), by `steps` steps that grow with the distance.
-    pub fn inscatter(&self, eye_m: f32, direction: Vec3, lights: &[Luminary], steps: u32) -> (Vec3, Vec3) {
-        let end = path(eye_m, direction.z).0;
-        let higher = HigherOrders::of(self);
-        let (mut light, mut passed) = (Vec3::ZERO, Vec3::ONE);
-        let mut before = 0.0;
-        for step in 0..steps {
-            let share = (step + 1) as f32 / steps as f32;
-            let t = end * share * share;
-            let (mid, ds) = (0.5 * (t + before), t - before);
-            before = t;
-            let height = Medium::along(eye_m, direction, direction, mid).height_m;
-            let rayleigh = RAYLEIGH_PER_M * (-height / AIR_SCALE_M).exp();
-            let haze = self.haze_per_m * (-height / HAZE_SCALE_M).exp();
-            let extinction = rayleigh + Vec3::splat(haze) + OZONE_PER_M * ozone_density(height);
-            let through = (-extinction * ds).exp();
-            let mut source = Vec3::ZERO;
-            for l in lights {
-                let up = Medium::along(eye_m, direction, l.direction, mid).up;
-                let lit = self.transmittance(height, up) * l.illuminance_lux;
-                let cos = direction.dot(l.direction);
-                let single =
-                    rayleigh * (0.059_683 * (1.0 + cos * cos)) + Vec3::splat(HAZE_ALBEDO * haze * haze_phase(cos));
-                let further = higher.luminance(height, up) * l.illuminance_lux;
-                source += lit * single + further * (rayleigh + Vec3::splat(HAZE_ALBEDO * haze));
-            }
-            light += passed * source * ((Vec3::ONE - through) / extinction.max(Vec3::splat(1e-12)));
-            passed *= through;
-        }
-        (light, passed)
-    }
 }
 
 /// A point of a ray in the air.
@@ -123,13 +88,6 @@ pub fn path(eye_m: f32, up: f32) -> (f32, bool) {
     let c = (eye_m - TOP_M) * (2.0 * EARTH_M + eye_m + TOP_M);
     // From above the air, a ray that leaves the Earth has its end behind it.
     (((b * b - c).max(0.0).sqrt() - b).max(0.0), false)
-}
-
-/// Cornette-Shanks phase function (deck paper eq. 10 over 4 pi) of haze, asymmetry 0.76, 1/sr.
-fn haze_phase(cos: f32) -> f32 {
-    let f = HAZE_ASYMMETRY;
-    let shape = 1.5 * (1.0 - f * f) / (2.0 + f * f) * (1.0 + cos * cos) / (1.0 + f * f - 2.0 * f * cos).powf(1.5);
-    shape * 0.079_577_47
 }
 
 fn ozone_density(height_m: f32) -> f32 {

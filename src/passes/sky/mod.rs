@@ -4,6 +4,7 @@
 //! lies over ground and clouds, so that everything fades into the sky that is behind it.
 
 pub mod atmosphere;
+mod inscatter;
 pub mod multiple;
 pub mod table;
 pub mod twin;
