@@ -3,6 +3,8 @@
 //!
 //! Each checker has its own tests in which it must fail: a checker that cannot fail pins nothing.
 
+#[path = "architecture/drivers.rs"]
+mod drivers;
 #[path = "architecture/files.rs"]
 mod files;
 #[path = "architecture/layouts.rs"]

@@ -111,20 +111,26 @@ const POSITIVE: Statistics = Statistics {
     no_long_above_ka: f64::INFINITY,
 };
 
-/// In and between clouds: optical pulses of K changes and recoil leaders instead of return strokes. Few measurements, so an
-/// assumption: numbers as in negative flashes with fewer single ones, the equivalent currents a third (networks report 5 to
-/// 15 kA), currents often going on.
-const IN_CLOUD: Statistics = Statistics {
-    single: 0.2,
-    mean_of_multiple: 5.0,
-    interval_s: (0.058, 0.37),
+/// Inside a cloud: the cloud is luminous for 0.2 to 0.5 s, more or less continuously, with several pulses of about a
+/// millisecond on top (Krider, "Thunderstorm", Encyclopaedia Britannica). Number and intervals of the pulses are chosen to
+/// give that: K changes alone follow each other faster (geometric mean 12 ms: Nanayakkara et al. 2019, Atmosphere 10, 141),
+/// but few of them are bright. An assumption: equivalent currents a third of a first stroke's, as networks report 5 to 15 kA.
+const INTRA_CLOUD: Statistics = Statistics {
+    single: 0.05,
+    mean_of_multiple: 7.0,
+    interval_s: (0.04, 0.35),
     first_ka: (10.0, 0.25),
     later_ka: (6.0, 0.25),
-    continuing: 0.5,
-    continuing_s: (0.03, 0.4),
+    continuing: 0.9,
+    continuing_s: (0.045, 0.25),
     continuing_bounds_s: [0.004, 0.542],
     no_long_above_ka: f64::INFINITY,
 };
+
+/// From cloud to cloud: as inside one, over a longer way and so for longer (flashes of 50 to 100 km are the long-lasting
+/// ones: Cummins and Zhang 2020, EGU2020-4225). No statistics of their own are known: twice the duration is an assumption.
+const CLOUD_TO_CLOUD: Statistics =
+    Statistics { mean_of_multiple: 11.0, interval_s: (0.05, 0.35), continuing_s: (0.06, 0.25), ..INTRA_CLOUD };
 
 /// A continuing current of this length and more is called long.
 pub const LONG_CONTINUING_S: f64 = 0.04;
@@ -216,7 +222,9 @@ fn statistics(kind: FlashKind, polarity: Polarity) -> &'static Statistics {
     match (kind, polarity) {
         (FlashKind::CloudToGround, Polarity::Negative) => &NEGATIVE,
         (FlashKind::CloudToGround, Polarity::Positive) => &POSITIVE,
-        (FlashKind::IntraCloud | FlashKind::CloudToCloud, _) => &IN_CLOUD,
+        // Which sign goes which way inside clouds changes nothing that is known of the light.
+        (FlashKind::IntraCloud, _) => &INTRA_CLOUD,
+        (FlashKind::CloudToCloud, _) => &CLOUD_TO_CLOUD,
     }
 }
 

@@ -135,3 +135,30 @@ fn the_seed_and_the_given_currents_decide() {
     assert_eq!(given.strokes.len(), 2);
     assert_eq!((given.strokes[1].delay_s, given.strokes[1].peak_current_ka), (0.3, 5.0));
 }
+
+#[test]
+fn flashes_in_and_between_clouds_glow_on_as_long_as_is_seen() {
+    let of = |kind| samples(kind, Polarity::Negative, 4_000);
+    let [inside, between, ground] = [FlashKind::IntraCloud, FlashKind::CloudToCloud, FlashKind::CloudToGround].map(of);
+    let length = |flashes: &[Flash]| median(flashes.iter().map(Flash::duration_s).collect());
+    // "Approximately 0.2 to 0.5 second"; a standard error of the median of 2 % moves it out of neither end.
+    assert!((0.22..0.46).contains(&length(&inside)), "{}", length(&inside));
+    let ratio = length(&between) / length(&inside);
+    assert!((1.7..2.3).contains(&ratio), "{ratio}");
+    // "More or less continuous": the share of the time in which there is light, in steps of a millisecond.
+    let lit = |flashes: &[Flash]| {
+        let of_one = |f: &Flash| {
+            let steps = (f.duration_s() * 1e3) as usize;
+            (0..steps).filter(|k| f.power_lm(*k as f64 * 1e-3) > 1e3).count() as f64 / steps as f64
+        };
+        flashes.iter().take(500).map(of_one).sum::<f64>() / 500.0
+    };
+    let [a, b, c] = [&inside, &between, &ground].map(|flashes| lit(flashes));
+    assert!(a > 0.68 && b > 0.68, "{a} {b}");
+    assert!(c < 0.6, "strokes to ground leave it dark in between: {c}");
+    // Several pulses, each far above the glow: at its peak a pulse of 6 kA gives 50 times the light of 0.1 kA.
+    let several = inside.iter().filter(|f| f.strokes.len() >= 3).count() as f64 / 4_000.0;
+    assert!(several > 0.75, "{several}");
+    let brightest = |f: &Flash| f.strokes.iter().map(|s| s.peak_current_ka).fold(0.0, f64::max);
+    assert!(median(inside.iter().map(brightest).collect()) < 0.6 * median(ground.iter().map(brightest).collect()));
+}
