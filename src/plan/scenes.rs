@@ -3,7 +3,8 @@
 use crate::clouds::CloudKind;
 use crate::geo::frames::enu;
 use crate::geo::{Attitude, Geodetic};
-use crate::world::command::{Exposure, FlashKind, Polarity, RegionShape};
+use crate::world::World;
+use crate::world::command::{Command, Exposure, FlashKind, LayerSpec, Polarity, RegionShape, WeatherEdit};
 use crate::world::snapshot::{
     DeckForm, FlashState, LayerState, OwnshipState, Quality, RegionState, SkyState, Snapshot, ViewState, WeatherState,
 };
@@ -127,8 +128,10 @@ pub fn extremes() -> Vec<(String, Snapshot)> {
         let name = format!("at {latitude_deg} {longitude_deg}");
         scenes.push((name, cumulus_at(place(latitude_deg, longitude_deg, 1_500.0))));
     }
-    // The world allows 100 km; a plan holds for a space station too. 1000 and 2000 m are the layer's base and top.
-    for altitude_m in [-1_000.0, -500.0, 0.0, 1_000.0, 2_000.0, 30_000.0, 100_000.0, 101_000.0, 400_000.0] {
+    // 1000 and 2000 m are the layer's base and top, between them the plane of a slice; a space station is at 400 km.
+    let slice_m = 1_000.0 + 3.0 * 1_000.0 / 7.0;
+    for altitude_m in [-1_000.0, -500.0, 0.0, 1.0, 1_000.0, slice_m, 2_000.0, 30_000.0, 100_000.0, 101_000.0, 400_000.0]
+    {
         for pitch_deg in [-90.0f64, 0.0] {
             let mut snapshot = cumulus_at(place(47.0, 8.0, altitude_m));
             snapshot.ownship.attitude.pitch_rad = pitch_deg.to_radians();
@@ -139,12 +142,20 @@ pub fn extremes() -> Vec<(String, Snapshot)> {
         let high = cumulus_at(place(47.0, 8.0, 1_500.0));
         scenes.push((format!("sun at {elevation_deg}"), sun(high, elevation_deg)));
     }
-    let changes: [(&str, Change); 22] = [
+    let changes: [(&str, Change); 28] = [
         ("a layer of 1 m", |s| s.weather.layers[0].thickness_m = 1.0),
         ("a layer of 1 cm", |s| s.weather.layers[0].thickness_m = 0.01),
         ("a layer of 20 km below sea level", |s| {
             s.weather.layers[0] = layer(CloudKind::Cumulonimbus, -500.0, 20_000.0)
         }),
+        ("a layer of 18 km", |s| s.weather.layers[0] = layer(CloudKind::Cumulonimbus, 500.0, 18_000.0)),
+        ("a layer below the ground, the eye on it", |s| {
+            s.weather.layers[0] = layer(CloudKind::Stratus, -500.0, 400.0);
+            s.ownship.position.altitude_m = 1.0;
+        }),
+        ("two layers that overlap", |s| s.weather.layers.push(layer(CloudKind::Stratocumulus, 1_400.0, 900.0))),
+        ("two layers in one place", |s| s.weather.layers.push(s.weather.layers[0])),
+        ("density 0", |s| s.weather.layers[0].density = 0.0),
         ("coverage 0", |s| s.weather.layers[0].coverage = 0.0),
         ("coverage 1", |s| s.weather.layers[0].coverage = 1.0),
         ("density 1e-300", |s| s.weather.layers[0].density = 1e-300),
@@ -158,7 +169,8 @@ pub fn extremes() -> Vec<(String, Snapshot)> {
             (s.views[0].size_px, s.views[0].field_of_view_deg, s.quality.deck_scale) = ([16, 640], 170.0, 4);
         }),
         ("one slice", |s| s.quality.slices = 1),
-        ("128 slices, close rings", |s| (s.quality.slices, s.quality.ring_ratio) = (128, 1.01)),
+        ("512 slices", |s| s.quality.slices = 512),
+        ("512 slices, close rings", |s| (s.quality.slices, s.quality.ring_ratio) = (512, 1.01)),
         ("EV 24", |s| s.views[0].exposure = Exposure::Ev100(24.0)),
         ("EV -12", |s| s.views[0].exposure = Exposure::Ev100(-12.0)),
         ("a region at the antipode", |s| s.regions.push(region(-47.0, -172.0, 2_000_000.0, 0.0))),
@@ -174,5 +186,28 @@ pub fn extremes() -> Vec<(String, Snapshot)> {
         change(&mut snapshot);
         scenes.push((name.into(), snapshot));
     }
+    for wind_speed_mps in [0.0, 150.0] {
+        let mut snapshot = cumulus_at(place(47.0, 8.0, 1_500.0));
+        snapshot.weather = blown_for_ten_years(wind_speed_mps);
+        scenes.push((format!("ten years of {wind_speed_mps} m/s"), snapshot));
+    }
     scenes
+}
+
+/// Cumulus that a wind has carried since ten years.
+pub fn blown_for_ten_years(wind_speed_mps: f64) -> WeatherState {
+    let spec = LayerSpec {
+        kind: CloudKind::Cumulus,
+        base_m: 1_000.0,
+        thickness_m: 1_000.0,
+        coverage: 0.5,
+        density: 1.0,
+        wind_speed_mps,
+        wind_from_deg: 250.0,
+    };
+    let mut world = World::new();
+    let edit = WeatherEdit { layers: Some(vec![spec]), ..Default::default() };
+    world.apply(Command::Weather(edit)).expect("a layer of a test is right");
+    world.advance_to(3_652.5 * 86_400.0);
+    world.snapshot(0.01).weather
 }

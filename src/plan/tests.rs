@@ -307,3 +307,36 @@ fn a_flash_that_leaves_the_brightest_gives_no_light_at_the_cut() {
     let none = drawn(&snapshot);
     assert!(none.iter().zip(&all).all(|(a, b)| (a / b - 1.0).abs() < 1e-6));
 }
+
+#[test]
+fn pictures_of_every_size_that_is_taken_have_a_plan() {
+    for (size_px, field_of_view_deg) in
+        [([16, 16], 170.0), ([16, 8_192], 170.0), ([8_192, 16], 1.0), ([8_192, 4_096], 60.0), ([8_192, 8_192], 170.0)]
+    {
+        let mut snapshot = cumulus_at(place(47.0, 8.0, 1_500.0));
+        (snapshot.views[0].size_px, snapshot.views[0].field_of_view_deg) = (size_px, field_of_view_deg);
+        let plan = plan_of(&snapshot);
+        assert_eq!(plan.size_px, size_px);
+        finite(&format!("{size_px:?}"), &plan.camera);
+        let [width, height] = size_px.map(|n| n as f32);
+        for (x, y) in [(0.5, 0.5), (width - 0.5, height - 0.5), (0.5 * width, 0.5 * height)] {
+            let ray = plan.camera.ray(x, y);
+            // A direction of f32 has a length of 1 to a few units in the last place.
+            assert!((ray.length() - 1.0).abs() < 1e-6, "{size_px:?} at {x} {y}: {ray}");
+        }
+        assert_eq!(plan.layers.len(), 1);
+    }
+}
+
+#[test]
+fn ten_years_of_wind_carry_the_cloud_and_no_wind_does_not() {
+    let charts = |weather| {
+        let mut snapshot = cumulus_at(place(47.0, 8.0, 1_500.0));
+        snapshot.weather = weather;
+        plan_of(&snapshot).layers[0].layer.chart.map(|chart| chart.tile_origin_m)
+    };
+    let still = charts(scenes::blown_for_ten_years(0.0));
+    assert_eq!(still, charts(cumulus_at(place(47.0, 8.0, 1_500.0)).weather), "a calm of ten years moves nothing");
+    assert_ne!(still, charts(scenes::blown_for_ten_years(150.0)));
+    assert_eq!(charts(scenes::blown_for_ten_years(150.0)), charts(scenes::blown_for_ten_years(150.0)));
+}

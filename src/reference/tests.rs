@@ -1,4 +1,4 @@
-//! Pictures of extreme snapshots are finite.
+//! Pictures of extreme snapshots are finite; more coverage hides more.
 
 use super::*;
 use crate::plan::plan;
@@ -36,4 +36,62 @@ fn the_second_picture_makes_no_light_anew_however_many_layers_there_are() {
     assert!(before.len() > VOLUMES_KEPT, "{}", before.len());
     assert_eq!(executor.draw(&plan), first);
     assert_eq!(kept(&executor), before);
+}
+
+/// What the deck of a plan hides, in the mean over the picture. Light does not matter to it.
+fn mean_opacity(plan: &FramePlan) -> f64 {
+    let dark = vec![[0; 4]; crate::clouds::density::WIDTH.pow(2) * crate::clouds::density::HEIGHT];
+    let table = vec![Texel([half::f16::ZERO; 4]); 2 * crate::passes::sky::table::WIDTH.pow(2)];
+    let lights = [dark.as_slice(); 3];
+    let prepared: Vec<_> = plan
+        .layers
+        .iter()
+        .map(|layer| {
+            let density = DensityVolume::of(layer.kind);
+            let bounds = column_bounds(&density.shape);
+            (layer, density, bounds)
+        })
+        .collect();
+    let layers: Vec<Prepared> = prepared
+        .iter()
+        .map(|(layer, density, bounds)| {
+            let textures = Textures {
+                shape: &density.shape,
+                lights: &lights[..layer.light.len()],
+                bounds,
+                map: modulation::map(),
+                detail: detail::volume(),
+            };
+            Prepared::new(&layer.layer, layer.slices, textures)
+        })
+        .collect();
+    let texels = DeckImage::new(plan, &table, &layers).texels;
+    texels.iter().map(|texel| f64::from(texel.w)).sum::<f64>() / texels.len() as f64
+}
+
+#[test]
+fn every_hundredth_of_coverage_hides_no_less() {
+    for (kind, altitude_m, pitch_deg) in [
+        (CloudKind::Cumulus, 200.0, 90.0f64),
+        (CloudKind::Stratus, 200.0, 90.0),
+        (CloudKind::Cumulus, 1_500.0, 0.0),
+        (CloudKind::Cumulus, 5_000.0, -90.0),
+    ] {
+        let mut snapshot = cumulus_at(place(47.0, 8.0, altitude_m));
+        snapshot.ownship.attitude.pitch_rad = pitch_deg.to_radians();
+        snapshot.weather.layers[0].kind = kind;
+        (snapshot.views[0].size_px, snapshot.views[0].field_of_view_deg) = ([24, 16], 100.0);
+        let mut last = 0.0;
+        for hundredths in 0..=100 {
+            snapshot.weather.layers[0].coverage = f64::from(hundredths) / 100.0;
+            let now = mean_opacity(&plan(&snapshot, &snapshot.views[0], Output::LinearRgb));
+            // Steps follow the distance to the cloud, so that a ray may miss a wisp that it had met: 0.4 % of the picture.
+            assert!(now >= last - 0.004, "{kind:?} from {altitude_m} m: {last} to {now} at {hundredths} %");
+            last = f64::max(last, now);
+            if hundredths == 0 {
+                assert_eq!(now, 0.0);
+            }
+        }
+        assert!(last > 0.9, "{kind:?} from {altitude_m} m: {last}");
+    }
 }

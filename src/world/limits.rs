@@ -32,7 +32,7 @@ pub const LATITUDE_DEG: [f64; 2] = [-90.0, 90.0];
 /// Longitude in degrees.
 pub const LONGITUDE_DEG: [f64; 2] = [-180.0, 180.0];
 /// Ownship altitude above the ellipsoid in metres.
-pub const OWNSHIP_ALTITUDE_M: [f64; 2] = [-1_000.0, 100_000.0];
+pub const OWNSHIP_ALTITUDE_M: [f64; 2] = [-1_000.0, 400_000.0];
 /// Yaw and roll in degrees.
 pub const TURN_DEG: [f64; 2] = [-360.0, 360.0];
 /// Pitch in degrees.
@@ -96,7 +96,7 @@ pub const PEAK_CURRENT_KA: [f64; 2] = [0.1, 500.0];
 pub const STROKE_DELAY_S: [f64; 2] = [0.0, 5.0];
 
 /// Slices per layer.
-pub const SLICES: [u32; 2] = [1, 128];
+pub const SLICES: [u32; 2] = [1, 512];
 /// Pixels of the picture each way to one of the deck.
 pub const DECK_SCALE: [u32; 2] = [1, 4];
 /// Ratio between the radii of neighbouring billboard rings.

@@ -78,16 +78,21 @@ impl Medium {
     }
 }
 
-/// Length of a ray from a height through the air, to the ground or to space, and whether it ends at the ground.
-pub fn path(eye_m: f32, up: f32) -> (f32, bool) {
+/// Where a ray from a height enters the air and where it ends, at the ground or in space, and whether at the ground.
+pub fn path(eye_m: f32, up: f32) -> ([f32; 2], bool) {
     let b = (EARTH_M + eye_m) * up;
     let ground = b * b - eye_m * (2.0 * EARTH_M + eye_m);
-    if up < 0.0 && ground >= 0.0 {
-        return (eye_m * (2.0 * EARTH_M + eye_m) / (ground.sqrt() - b), true);
-    }
     let c = (eye_m - TOP_M) * (2.0 * EARTH_M + eye_m + TOP_M);
-    // From above the air, a ray that leaves the Earth has its end behind it.
-    (((b * b - c).max(0.0).sqrt() - b).max(0.0), false)
+    let root = (b * b - c).max(0.0).sqrt();
+    // From above the air a ray enters it far away, or not at all.
+    let begin = if c > 0.0 && b < 0.0 && b * b > c { c / (root - b) } else { 0.0 };
+    if up < 0.0 && ground >= 0.0 {
+        return ([begin, eye_m * (2.0 * EARTH_M + eye_m) / (ground.sqrt() - b)], true);
+    }
+    if c > 0.0 && begin == 0.0 {
+        return ([0.0; 2], false);
+    }
+    ([begin, root - b], false)
 }
 
 fn ozone_density(height_m: f32) -> f32 {

@@ -7,15 +7,15 @@ use glam::Vec3;
 
 impl Air {
     /// Light scattered into a ray from a height, cd/m2 per colour, and the transmittance of the ray (to the ground or
-    /// to space), by `steps` steps that grow with the distance.
+    /// to space), by `steps` steps that grow with the distance from where the ray enters the air.
     pub fn inscatter(&self, eye_m: f32, direction: Vec3, lights: &[Luminary], steps: u32) -> (Vec3, Vec3) {
-        let end = path(eye_m, direction.z).0;
+        let [begin, end] = path(eye_m, direction.z).0;
         let higher = HigherOrders::of(self);
         let (mut light, mut passed) = (Vec3::ZERO, Vec3::ONE);
-        let mut before = 0.0;
+        let mut before = begin;
         for step in 0..steps {
             let share = (step + 1) as f32 / steps as f32;
-            let t = end * share * share;
+            let t = begin + (end - begin) * share * share;
             let (mid, ds) = (0.5 * (t + before), t - before);
             before = t;
             let height = Medium::along(eye_m, direction, direction, mid).height_m;

@@ -98,7 +98,7 @@ fn all_orders(air: &Air, height_m: f32, up: f32) -> Vec3 {
 
 /// Light that reaches a point along a ray after one scattering, per lux, and the share of light everywhere that would.
 fn ray(air: &Air, height_m: f32, direction: Vec3, light: Vec3) -> (Vec3, Vec3) {
-    let (end_m, to_ground) = path(height_m, direction.z);
+    let ([_, end_m], to_ground) = path(height_m, direction.z);
     let (mut once, mut on, mut passed) = (Vec3::ZERO, Vec3::ZERO, Vec3::ONE);
     let mut before = 0.0;
     for step in 0..STEPS {
