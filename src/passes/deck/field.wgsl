@@ -53,6 +53,8 @@ const DETAIL_FAR_M: f32 = 9000.0;
 const DIFFUSE_RANGE: f32 = 5.0;
 const MOST_STEPS: u32 = 96u;
 const MOST_LOOKS: u32 = 192u;
+const STEP_PIXELS: f32 = 3.5;
+const STEP_GROWTH: vec2<f32> = vec2<f32>(0.004, 0.025);
 const RETREAT: f32 = 0.4;
 const HALVINGS: u32 = 10u;
 const CLEAR: f32 = -0.25;
@@ -277,8 +279,12 @@ struct Seen {
     alpha: f32,
 }
 
+fn step_growth() -> f32 {
+    return clamp(STEP_PIXELS * 2.0 * length(camera.up) / camera.height_px, STEP_GROWTH.x, STEP_GROWTH.y);
+}
+
 fn shortest_step(at: f32, least: f32) -> f32 {
-    return max(layer.step_m + 0.025 * at, least);
+    return max(layer.step_m + step_growth() * at, least);
 }
 
 // How far beyond the shortest step a look that found no cloud may go.

@@ -158,7 +158,7 @@ impl Ray<'_> {
         let mut at = piece.t;
         let mut beyond = layer.reach_m * (-near).max(0.0);
         for _ in 0..MOST_LOOKS {
-            let shortest = shortest_step(layer, at, ds);
+            let shortest = shortest_step(self.camera, layer, at, ds);
             let end = t.min(at + shortest + beyond);
             let far = self.look(prepared, end);
             // A long step that ends inside the cloud went too far: its edge is looked for.
@@ -213,13 +213,20 @@ impl Ray<'_> {
 
 /// Steps that a piece of the ray is cut into at most.
 const MOST_STEPS: u32 = 96;
+/// Pixels across which a step reaches from the range on at which it has grown far beyond its shortest: more draws grazing
+/// silhouettes as stripes.
+const STEP_PIXELS: f32 = 3.5;
+/// Least and greatest growth of a step with the range: very fine pictures end somewhere, coarse ones must not miss clouds.
+const STEP_GROWTH: [f32; 2] = [0.004, 0.025];
 /// Looks at most, with those that went too far.
 const MOST_LOOKS: u32 = 2 * MOST_STEPS;
 
 /// Step at the cloud's edge and inside: it grows with the range, as pixels do, and is never less than the share of the
 /// piece that lets it end within [`MOST_STEPS`]. Outside, as far as the cloud is certain not to reach is added.
-fn shortest_step(layer: &Layer, t: f32, ds: f32) -> f32 {
-    (layer.step_m + 0.025 * t).max(ds * (1.0 / MOST_STEPS as f32))
+fn shortest_step(camera: &Camera, layer: &Layer, t: f32, ds: f32) -> f32 {
+    let pixel_rad = 2.0 * Vec3::from(camera.up).length() / camera.height_px;
+    let growth = (STEP_PIXELS * pixel_rad).clamp(STEP_GROWTH[0], STEP_GROWTH[1]);
+    (layer.step_m + growth * t).max(ds * (1.0 / MOST_STEPS as f32))
 }
 
 /// Radius of ring `k`; the last one lies at the layer's `ring_last_m`.
