@@ -62,12 +62,13 @@ fn run(command: &mut Command) -> (i32, String) {
 }
 
 /// Fails unless the command ends with this code and says all of these.
-fn expect(arguments: &[&str], code: i32, says: &[&str]) {
+fn expect(arguments: &[&str], code: i32, says: &[&str]) -> String {
     let (found, text) = run(&mut stormdeck(arguments));
     assert_eq!(found, code, "{arguments:?}: {text}");
     for word in says {
         assert!(text.contains(word), "{arguments:?} does not say {word:?}: {text}");
     }
+    text
 }
 
 #[test]
@@ -92,6 +93,10 @@ fn check_tells_everything_that_is_wrong_with_line_and_path() {
     let bad = folder.file("bad.json", &bad.replace("\"coverage\": 0.5", "\"colour\": 0.5"));
     let complaints = ["line 5", "entries[1].latitude_deg", "line 6", "thickness_m", "colour"];
     expect(&["check", &good, &bad], 2, &complaints);
+
+    let infinite = folder.file("infinite.json", &SCENARIO.replace("800", "1e999"));
+    let told = expect(&["check", &infinite], 2, &["thickness_m", "1e999"]);
+    assert!(!told.contains("unknown field"), "one bad number makes it no settings file: {told}");
 
     let over = SCENARIO.replace(
         "0.5}]",

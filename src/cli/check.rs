@@ -3,6 +3,7 @@
 use super::Failure;
 use super::scenario::{listed, text_of, timeline};
 use crate::settings::Settings;
+use crate::wire::json::{self, Kind, Node, Size};
 use crate::wire::limits;
 use std::path::{Path, PathBuf};
 
@@ -45,8 +46,11 @@ fn check(path: &Path) -> Result<String, Failure> {
     Err(Failure::Input(listed(&name, &complaints)))
 }
 
-/// A scenario says so by its type, or at least has entries; everything else is checked as settings.
+/// A scenario says so by its type, or at least has entries; everything else is checked as settings. Read by our own reader,
+/// to which a wrong number is a complaint and not the end; what is no JSON at all is the same complaint either way.
 fn is_scenario(text: &str) -> bool {
-    let value: serde_json::Value = serde_json::from_str(text).unwrap_or_default();
-    value["type"] == "scenario" || value.get("entries").is_some()
+    let size = Size { bytes: limits::SCENARIO_BYTES, values: limits::SCENARIO_VALUES };
+    let Ok(parsed) = json::parse(text, size) else { return true };
+    let says_so = |node: &Node| matches!(&node.kind, Kind::Text(word) if word == "scenario");
+    parsed.root.member("type").is_some_and(says_so) || parsed.root.member("entries").is_some()
 }
