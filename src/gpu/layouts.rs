@@ -75,7 +75,11 @@ impl Layouts {
                     written(super::light::FORMAT, D3),
                 ],
             ),
-            march: layout("march", wgpu::ShaderStages::COMPUTE, &[texture(D2, false), written(gpu.light_format, D2)]),
+            march: layout(
+                "march",
+                wgpu::ShaderStages::COMPUTE,
+                &[texture(D2, false), written(gpu.light_format, D2), parameters],
+            ),
         }
     }
 }

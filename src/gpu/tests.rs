@@ -86,7 +86,9 @@ impl Scene {
                 rotation_deg: 30.0,
                 transition_m: 1_500.0,
             };
-            let dense = LayerSpec { coverage: 1.0, kind: CloudKind::Nimbostratus, ..layer };
+            // It rises through the surroundings' layer: each is cut at the other's base and top.
+            let (base_m, thickness_m) = (800.0, 3000.0);
+            let dense = LayerSpec { coverage: 1.0, kind: CloudKind::Nimbostratus, base_m, thickness_m, ..layer };
             apply(Command::Weather(WeatherEdit {
                 region: Some(shape),
                 layers: Some(vec![dense]),

@@ -12,6 +12,7 @@ mod regions;
 use crate::clouds::CloudKind;
 use crate::passes::common::Camera;
 use crate::passes::deck::Layer;
+use crate::passes::deck::spans::{Leg, legs, overlap};
 use crate::passes::ground::Ground;
 use crate::passes::light::Light;
 use crate::passes::sky::Sky;
@@ -67,6 +68,18 @@ pub struct PassNote {
     pub why: String,
 }
 
+impl FramePlan {
+    /// In which order the layers are walked, near to far along any ray.
+    pub fn legs(&self) -> Vec<Leg> {
+        legs(&heights(&self.layers), self.camera.eye_m)
+    }
+}
+
+/// Base and top of each layer over the sphere.
+fn heights(layers: &[LayerPlan]) -> Vec<[f32; 2]> {
+    layers.iter().map(|l| [l.layer.base_m, l.layer.base_m + l.layer.thickness_m]).collect()
+}
+
 /// What form the picture takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Output {
@@ -95,7 +108,7 @@ pub fn plan(snapshot: &Snapshot, view: &ViewState, output: Output) -> FramePlan 
     let why = if tonemap { "the picture is for a screen" } else { "linear luminance was asked for" };
     notes.push(PassNote { pass: "tonemap", kept: tonemap, why: why.into() });
     let deck_scale = deck_scale(snapshot.quality.deck_scale, eye.height_m as f32, &layers, &mut notes);
-    let deck_form = deck_form(snapshot.quality.deck_form, !layers.is_empty(), &mut notes);
+    let deck_form = deck_form(snapshot.quality.deck_form, &layers, &mut notes);
     FramePlan {
         size_px: view.size_px,
         output,
@@ -124,12 +137,15 @@ fn deck_scale(asked: u32, eye_m: f32, layers: &[LayerPlan], notes: &mut Vec<Pass
 
 /// How a GPU draws the deck. The walk was the faster one wherever it was measured: on Mesa's llvmpipe a frame took 0.53 to
 /// 0.78 of the instanced form's processor time.
-fn deck_form(asked: DeckForm, drawn: bool, notes: &mut Vec<PassNote>) -> DeckForm {
+fn deck_form(asked: DeckForm, layers: &[LayerPlan], notes: &mut Vec<PassNote>) -> DeckForm {
     let (form, why) = match asked {
         DeckForm::Auto | DeckForm::Marched => (DeckForm::Marched, "a GPU draws the deck as one walk a pixel"),
+        DeckForm::Instanced if overlap(&heights(layers)) => {
+            (DeckForm::Marched, "layers share heights, which only the walk a pixel puts in order")
+        }
         DeckForm::Instanced => (DeckForm::Instanced, "a GPU draws the deck as instanced geometry, as asked"),
     };
-    if drawn {
+    if !layers.is_empty() {
         notes.push(PassNote { pass: "form", kept: true, why: why.into() });
     }
     form

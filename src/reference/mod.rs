@@ -137,6 +137,7 @@ impl DeckImage {
             return Self { size: [1, 1], texels: vec![Vec4::ZERO] };
         }
         let camera = plan.camera.coarser(plan.deck_scale);
+        let legs = plan.legs();
         let size = [camera.width_px as usize, camera.height_px as usize];
         let mut texels = vec![Vec4::ZERO; size[0] * size[1]];
         texels.par_chunks_mut(size[0]).enumerate().for_each(|(y, row)| {
@@ -146,7 +147,7 @@ impl DeckImage {
                 let (air, passed) = sky::air(&plan.sky, table, direction);
                 // Luminance that an endless column of this air would have: what haze in front of things tends to.
                 let endless = air / (1.0 - passed).max(0.02);
-                let gathered = walk(&camera, layers, direction, end_m, endless);
+                let gathered = walk(&camera, layers, &legs, direction, end_m, endless);
                 *texel = gathered.luminance.extend(1.0 - gathered.transmittance);
             }
         });

@@ -126,7 +126,8 @@ fn region_shift(layer: &Layer, z: Vec2) -> f32 {
             there = inside;
         }
     }
-    1.0 - there
+    // Squared, so that half-way through the transition some of both weathers is there.
+    (1.0 - there) * (1.0 - there)
 }
 
 /// 1 inside a region's outline, easing to 0 over its transition.

@@ -89,7 +89,8 @@ fn region_shift(z: vec2<f32>) -> f32 {
             there = inside;
         }
     }
-    return 1.0 - there;
+    // Squared, so that half-way through the transition some of both weathers is there.
+    return (1.0 - there) * (1.0 - there);
 }
 
 fn shape_at(at: vec3<f32>) -> f32 {

@@ -1,12 +1,19 @@
-// The deck as one walk a pixel, front to back, over the same pieces as the instanced form. One dispatch is one layer on the
-// way down or on the way up. Twin: twin.rs.
+// The deck as one walk a pixel, front to back, over the same pieces as the instanced form. One dispatch is one layer, or
+// a span of its heights, on the way down or on the way up. Twin: twin.rs.
 
 // Rays on the way down, to their lowest point; otherwise those that rise, or rise beyond it.
 override FALLING: bool = false;
 
+// Heights between which this dispatch walks its layer.
+struct Heights {
+    low_m: f32,
+    high_m: f32,
+}
+
 // What nearer layers have gathered, and the same with this one.
 @group(2) @binding(0) var before: texture_2d<f32>;
 @group(2) @binding(1) var after: texture_storage_2d<rgba16float, write>;
+@group(2) @binding(2) var<storage, read> heights: Heights;
 
 // Slices that share a shell, as in clouds::slices.
 const GROUP: f32 = 8.0;
@@ -36,21 +43,20 @@ fn crossing(up: f32, height: f32) -> f32 {
 
 fn leg_of(up: f32) -> Leg {
     let flat_share = max(sqrt(max(1.0 - up * up, 0.0)), 1e-4);
-    let top = layer.base_m + layer.thickness_m;
     let lowest = max(-(camera.earth_m + camera.eye_m) * up, 0.0);
-    let base_t = crossing(up, layer.base_m);
+    let low_t = crossing(up, heights.low_m);
     var begin = 0.0;
     var end = 0.0;
     if FALLING {
-        if camera.eye_m > top {
-            begin = crossing(up, top);
+        if camera.eye_m > heights.high_m {
+            begin = crossing(up, heights.high_m);
         }
-        end = select(min(base_t, lowest), 0.0, up >= 0.0);
+        end = select(min(low_t, lowest), 0.0, up >= 0.0);
     } else {
-        begin = select(lowest, base_t, base_t < FAR && (camera.eye_m < layer.base_m || up < 0.0));
-        end = crossing(up, top);
+        begin = select(lowest, low_t, low_t < FAR && (camera.eye_m < heights.low_m || up < 0.0));
+        end = crossing(up, heights.high_m);
     }
-    // A layer that the ray rises through is left through its top, or not met.
+    // What the ray rises through is left through its upper end, or not met.
     end = select(end, 0.0, end >= FAR);
     end = min(min(end, layer.extent_m / max(flat_share, 1e-3)), crossings(up, 0.0).x);
     var rings_end = begin;

@@ -8,6 +8,7 @@
 pub mod field;
 pub mod instances;
 pub mod sector;
+pub mod spans;
 pub mod twin;
 
 use crate::passes::common::{CHARTS, Chart};

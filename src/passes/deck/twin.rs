@@ -1,6 +1,7 @@
 //! Twin of `deck.wgsl`: walks the crossings of a ray with slices and rings from near to far.
 
 use super::field::{Textures, light_at, margin, phase, source};
+use super::spans::{Heights, Leg};
 use super::{Layer, RING_SHARE, RING_SLICES};
 use crate::clouds::slices::shells;
 use crate::passes::common::Camera;
@@ -48,32 +49,28 @@ struct Ray<'a> {
     air: Vec3,
 }
 
-/// Walks all layers (lowest base first) along a ray that ends at `end_m`; `air` is the luminance of an infinite column
-/// of air along it.
-pub fn walk(camera: &Camera, layers: &[Prepared], direction: Vec3, end_m: f32, air: Vec3) -> Gathered {
+/// Walks the legs of layers (see [`super::spans::legs`]) along a ray that ends at `end_m`; `air` is the luminance of an
+/// infinite column of air along it.
+pub fn walk(camera: &Camera, layers: &[Prepared], legs: &[Leg], direction: Vec3, end_m: f32, air: Vec3) -> Gathered {
     let flat = (1.0 - direction.z * direction.z).max(0.0).sqrt();
     let ray = Ray { camera, direction, flat, end_m, air };
     let mut gathered = Gathered { luminance: Vec3::ZERO, transmittance: 1.0 };
-    // Downwards from the eye: the highest layer below it first. Upwards, also past the lowest point: the lowest first.
-    for layer in layers.iter().rev().filter(|l| l.layer.base_m < camera.eye_m) {
-        ray.leg(layer, true, &mut gathered);
-    }
-    for layer in layers {
-        ray.leg(layer, false, &mut gathered);
+    for leg in legs {
+        ray.leg(&layers[leg.layer], leg, &mut gathered);
     }
     gathered
 }
 
 impl Ray<'_> {
-    /// One layer on the way down or on the way up.
-    fn leg(&self, prepared: &Prepared, down: bool, gathered: &mut Gathered) {
-        let (layer, up) = (prepared.layer, self.direction.z);
+    /// A span of a layer's heights on the way down or on the way up.
+    fn leg(&self, prepared: &Prepared, leg: &Leg, gathered: &mut Gathered) {
+        let (layer, up, down) = (prepared.layer, self.direction.z, leg.falling);
         if gathered.transmittance < OPAQUE || (down && up >= 0.0) {
             return;
         }
         let r = self.camera.earth_m + self.camera.eye_m;
         let lowest_t = (-r * up).max(0.0);
-        let (base, top) = (layer.base_m, layer.base_m + layer.thickness_m);
+        let Heights { low_m: base, high_m: top } = leg.heights;
         let cross = |height: f32| {
             let (falling, rising) = self.camera.crossings(up, height);
             if down { falling } else { rising }
@@ -86,7 +83,7 @@ impl Ray<'_> {
             let begin = cross(base);
             (if begin.is_finite() && (eye < base || up < 0.0) { begin } else { lowest_t }, cross(top))
         };
-        // A layer that the ray rises through is left through its top, or not met.
+        // What the ray rises through is left through its upper end, or not met.
         if to.is_infinite() {
             return;
         }
