@@ -1,9 +1,11 @@
 //! A flash as geometry and time: channels by four methods, strokes, photometry.
 
+pub mod branches;
 pub mod channel;
 mod charges;
 pub mod dbm;
 pub mod error;
+pub mod field;
 pub mod flash;
 mod frontier;
 pub mod grid;
@@ -14,7 +16,10 @@ pub mod random;
 pub mod rational;
 pub mod reed_wyvill;
 pub mod scene;
+pub mod shape;
+pub mod statistics;
 pub mod tables;
+pub mod tortuosity;
 mod urn;
 mod walls;
 pub mod waypoints;
