@@ -2,6 +2,7 @@
 //!
 //! Exit codes: 0 done, 1 the run failed, 2 the command line or a file is wrong.
 
+mod bolt;
 mod check;
 mod cigi;
 mod executor;
@@ -30,6 +31,7 @@ struct CommandLine {
 enum Verb {
     Serve(serve::Options),
     Render(render::Options),
+    Bolt(bolt::Options),
     Check(check::Options),
     Host(host::Options),
     Report(report::Options),
@@ -63,6 +65,7 @@ pub fn main() -> ExitCode {
     let outcome = match verb.unwrap_or(Verb::Serve(serve)) {
         Verb::Serve(options) => serve::run(options),
         Verb::Render(options) => render::run(&options),
+        Verb::Bolt(options) => bolt::run(&options),
         Verb::Check(options) => check::run(&options),
         Verb::Host(options) => host::run(&options),
         Verb::Report(options) => report::run(&options),

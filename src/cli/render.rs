@@ -72,7 +72,7 @@ fn rate(text: &str) -> Result<f64, String> {
     }
 }
 
-fn size(text: &str) -> Result<[u32; 2], String> {
+pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     let range = limits::SIZE_PX;
     let side = |text: &str| text.parse().ok().filter(|&side| (range.min..=range.max).contains(&u64::from(side)));
     let sides = text.split_once('x').and_then(|(width, height)| Some([side(width)?, side(height)?]));

@@ -3,6 +3,7 @@
 use super::charges::double::sum_of_pulls;
 use super::error::{GrowError, in_range};
 use super::grid::Cell;
+use super::grow::TOLERANCE_RANGE;
 use super::rational::{RHO_RANGE, centre};
 use super::scene::{Goal, Scene};
 use super::walls::WallSums;
@@ -13,6 +14,11 @@ use crate::numeric::poisson::Laplace;
 pub enum Potential {
     /// Laplace's equation: the dielectric breakdown model's.
     Laplace,
+    /// The same, solved from 0 until no residual is above a tolerance: what a loose solver sees.
+    LaplaceTo {
+        /// Greatest residual.
+        tolerance: f64,
+    },
     /// P - N - B: the sum of all charges, the form that the lightning paper argues against.
     Sum {
         /// Exponent of the distance.
@@ -44,7 +50,11 @@ pub fn potential(kind: Potential, scene: &Scene, channel: &[Cell]) -> Result<Vec
     let targets = scene.targets();
     let held: Vec<Cell> = channel.iter().chain(&scene.obstacles).copied().collect();
     let mut field = match kind {
-        Potential::Laplace => laplace(scene, &targets, &held)?,
+        Potential::Laplace => laplace(scene, &targets, &held, TOLERANCE)?,
+        Potential::LaplaceTo { tolerance } => {
+            in_range("tolerance", tolerance, TOLERANCE_RANGE)?;
+            laplace(scene, &targets, &held, tolerance)?
+        }
         Potential::Sum { rho } | Potential::Rational { rho } => {
             in_range("rho", rho, RHO_RANGE)?;
             let places = |cells: &[Cell]| -> Vec<[f64; 3]> { cells.iter().map(|&cell| centre(grid, cell)).collect() };
@@ -75,7 +85,7 @@ pub fn potential(kind: Potential, scene: &Scene, channel: &[Cell]) -> Result<Vec
     Ok(field)
 }
 
-fn laplace(scene: &Scene, targets: &[Cell], held: &[Cell]) -> Result<Vec<f64>, GrowError> {
+fn laplace(scene: &Scene, targets: &[Cell], held: &[Cell], tolerance: f64) -> Result<Vec<f64>, GrowError> {
     let grid = scene.grid;
     // As in growth: a free channel sees a border at 1.
     let free = scene.goal == Goal::Free;
@@ -86,10 +96,10 @@ fn laplace(scene: &Scene, targets: &[Cell], held: &[Cell]) -> Result<Vec<f64>, G
     for &cell in held {
         laplace.hold(cell as usize, if free { 1.0 } else { 0.0 });
     }
-    let solved = laplace.solve(TOLERANCE, MOST_ITERATIONS);
+    let solved = laplace.solve(tolerance, MOST_ITERATIONS);
     if !solved.converged {
         let (iterations, residual) = (solved.iterations, solved.residual);
-        return Err(GrowError::NoConvergence { iterations, residual, tolerance: TOLERANCE });
+        return Err(GrowError::NoConvergence { iterations, residual, tolerance });
     }
     let value = |cell: usize| if free { 1.0 - laplace.potential(cell) } else { laplace.potential(cell) };
     Ok((0..grid.cells()).map(value).collect())
