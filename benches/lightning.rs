@@ -54,9 +54,9 @@ fn bolts(criterion: &mut Criterion) {
             bencher.iter_batched(
                 || {
                     seed += 1;
-                    if exact { kept.clone() } else { Tables::default() }
+                    (seed, if exact { kept.clone() } else { Tables::default() })
                 },
-                |mut tables| cells(method, scene, *most, seed, &mut tables),
+                |(seed, mut tables)| cells(method, scene, *most, seed, &mut tables),
                 BatchSize::PerIteration,
             );
         });

@@ -30,7 +30,8 @@ pub use timing::measure;
 
 /// Every subject that `stormdeck report` knows, in the order in which they run. One line and one file each.
 pub fn subjects() -> &'static [Subject] {
-    &[encode::SUBJECT]
+    &[encode::SUBJECT, lightning::SUBJECT]
 }
 
 mod encode;
+mod lightning;

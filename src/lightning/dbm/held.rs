@@ -207,3 +207,73 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     }
     lanes[0]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::bound::Bound;
+    use super::*;
+
+    /// Holds a crooked channel and some obstacles; every other cell's potential and its bound against conjugate gradients.
+    fn check(grid: Grid, goal: Goal) {
+        let (nx, up) = (grid.size()[0], grid.axes() - 1);
+        let target = grid.bottom_centre() + 1;
+        let scene = Scene { goal: goal.clone(), ..Scene::top_to_bottom(grid) };
+        let ground = goal == Goal::Ground;
+        let channel: Vec<Cell> =
+            (0..5).map(|k| scene.start - k * if up == 1 { nx } else { nx * grid.size()[1] } - k % 2).collect();
+        let obstacles: Vec<Cell> = (0..3).map(|k| grid.cells() as Cell / 2 + 2 * k).collect();
+        let free = goal == Goal::Free;
+
+        let mut laplace = Laplace::new(grid.size().map(|side| side as usize), grid.axes());
+        let mut held = Held::new(&scene, &mut Tables::default()).expect("a right scene");
+        let mut fix = |held: &mut Held, cell: Cell, value: f64| {
+            held.hold(cell, value);
+            laplace.hold(cell as usize, if free { 1.0 - value } else { value });
+        };
+        let early = grid.cells() as Cell - 1;
+        let mut row = held.row(early, false);
+        obstacles.iter().for_each(|&cell| fix(&mut held, cell, 0.0));
+        if !free && !ground {
+            fix(&mut held, target, 1.0);
+        }
+        held.potential(&mut row);
+        channel.iter().for_each(|&cell| fix(&mut held, cell, 0.0));
+        if !free && !ground {
+            // A target that falls to 0 and rises again changes nothing.
+            held.hold(target, 0.0);
+            held.hold(target, 1.0);
+        }
+        for cell in grid.ground().filter(|_| ground) {
+            laplace.hold(cell as usize, 1.0);
+        }
+        assert!(laplace.solve(1e-13, 1000).converged);
+        let truth =
+            |cell: Cell| if free { 1.0 - laplace.potential(cell as usize) } else { laplace.potential(cell as usize) };
+        let targets = if free || ground { vec![] } else { vec![(target, 1.0)] };
+        let near = channel.iter().rev().take(3).map(|&cell| (cell, 0.0));
+        let bound = Bound::new(&held, targets.into_iter().chain(near));
+        for cell in 0..grid.cells() as Cell {
+            if held.on_border(cell) || held.cells.contains(&cell) {
+                continue;
+            }
+            let mut fresh = held.row(cell, false);
+            let least = bound.at(&held, &fresh);
+            let found = held.potential(&mut fresh);
+            // The solver's residual of 1e-13 through an inverse of norm below 100; rounding is smaller.
+            assert!((found - truth(cell)).abs() < 1e-10, "{goal:?} {cell}: {found} {}", truth(cell));
+            assert!(least >= found - 1e-12, "{goal:?} {cell}: bound {least} below {found}");
+        }
+        // A row begun early and brought up to date late, after held values changed.
+        held.sum_again(&mut row);
+        assert!((held.potential(&mut row) - truth(early)).abs() < 1e-10);
+    }
+
+    #[test]
+    fn potentials_equal_those_of_conjugate_gradients_and_bounds_lie_above() {
+        for grid in [Grid::plane(14, 11), Grid::volume(7, 6, 9)].map(|grid| grid.expect("a grid")) {
+            check(grid, Goal::Nearest(vec![grid.bottom_centre() + 1]));
+            check(grid, Goal::Ground);
+            check(grid, Goal::Free);
+        }
+    }
+}

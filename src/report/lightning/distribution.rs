@@ -58,9 +58,10 @@ pub(super) fn per_step(run: &mut Run) -> Result<(), Stopped> {
             let (mean, _) = spread(&apart);
             let worst = apart.iter().copied().fold(0.0, f64::max);
             let time_s: TimeSpread = bolts(&method, &scene, 100_000, 3)?.time_s;
-            let case = parameters(Case::new(format!("chances per step, {side} x {side}, eta {eta}"), method.name()), &method)
-                .time(time_s)
-                .note(format!("at most {worst:.3} in {} steps of shared growths", apart.len()));
+            let case =
+                parameters(Case::new(format!("chances per step, {side} x {side}, eta {eta}"), method.name()), &method)
+                    .time(time_s)
+                    .note(format!("at most {worst:.3} in {} steps of shared growths", apart.len()));
             run.record(case.error("total variation per step", "exact dielectric breakdown", mean))?;
         }
     }
@@ -86,13 +87,7 @@ fn candidates(scene: &Scene, grown: &[Cell]) -> Vec<Cell> {
 }
 
 /// Each candidate's chance by one model.
-fn chances(
-    kind: Potential,
-    eta: f64,
-    scene: &Scene,
-    grown: &[Cell],
-    candidates: &[Cell],
-) -> Result<Vec<f64>, Stopped> {
+fn chances(kind: Potential, eta: f64, scene: &Scene, grown: &[Cell], candidates: &[Cell]) -> Result<Vec<f64>, Stopped> {
     let field = potential(kind, scene, grown)?;
     let values: Vec<f64> = candidates.iter().map(|&cell| field[cell as usize]).collect();
     // Fast Laplacian growth counts from its least candidate; the others from 0.
@@ -143,7 +138,8 @@ fn sets(method: &Method, grid: Grid, runs: u64, first_seed: u64) -> Result<BTree
     let mut counts = BTreeMap::new();
     for seed in first_seed..first_seed + runs {
         let (channel, _) = grow(method, &scene, 5, seed, &mut tables, &cancel)?;
-        let mut cells: Vec<Cell> = channel.nodes.iter().map(|node| grid.cell(node.position.map(|p| p as u32))).collect();
+        let mut cells: Vec<Cell> =
+            channel.nodes.iter().map(|node| grid.cell(node.position.map(|p| p as u32))).collect();
         cells.sort_unstable();
         *counts.entry(cells).or_default() += 1.0;
     }

@@ -57,15 +57,19 @@ pub(super) fn target_scenes(run: &mut Run) -> Result<(), Stopped> {
             let grown = bolts(&method, &scene, 100_000, seeds)?;
             let (mean, deviation) = spread(&grown.cells);
             let exact = *exact_cells.get_or_insert(mean);
-            let mut case = Case::new(&name, method.name()).time(grown.time_s).note(format!(
-                "{mean:.0} +- {deviation:.0} cells over {seeds} seeds"
-            ));
+            let mut case = Case::new(&name, method.name())
+                .time(grown.time_s)
+                .note(format!("{mean:.0} +- {deviation:.0} cells over {seeds} seeds"));
             case = parameters(case, &method);
             if let Some((ms, cells)) = printed {
                 case = case.note(format!("the paper printed {ms} ms and {cells} cells"));
             }
             let error = (mean / exact - 1.0).abs();
-            run.record(case.error("share by which the mean count of cells is off", "exact dielectric breakdown", error))?;
+            run.record(case.error(
+                "share by which the mean count of cells is off",
+                "exact dielectric breakdown",
+                error,
+            ))?;
         }
     }
     Ok(())
@@ -75,7 +79,13 @@ pub(super) fn target_scenes(run: &mut Run) -> Result<(), Stopped> {
 pub(super) fn free_growth(run: &mut Run) -> Result<(), Stopped> {
     let scene = Scene::free(plane(512)?);
     // Cells, and the paper's milliseconds for fast Laplacian growth and the rational potential.
-    let rows = [(100, [10.0, 8.0]), (500, [72.0, 35.0]), (1000, [181.0, 94.0]), (2000, [496.0, 288.0]), (5000, [2022.0, 1319.0])];
+    let rows = [
+        (100, [10.0, 8.0]),
+        (500, [72.0, 35.0]),
+        (1000, [181.0, 94.0]),
+        (2000, [496.0, 288.0]),
+        (5000, [2022.0, 1319.0]),
+    ];
     for (cells, printed) in rows.into_iter().take(run.pick(3, 5)) {
         let fast = [Method::laplacian(2.0, DEFAULT_PULL), Method::rational(2.0, 3.0)];
         for (method, ms) in fast.iter().zip(printed) {
