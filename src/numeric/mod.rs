@@ -2,6 +2,7 @@
 //! elementary functions, Laplace's equation.
 
 pub mod exact;
+pub mod haar;
 pub mod hash;
 pub mod metrics;
 pub mod noise;

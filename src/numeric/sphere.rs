@@ -185,8 +185,14 @@ pub fn order_of(index: usize) -> usize {
 
 /// Real orthonormal spherical harmonics of a unit vector up to `order`, at `l * (l + 1) + m`: the sum over `m` of
 /// `Y_lm(a) Y_lm(b)` is `(2 l + 1) / (4 pi) P_l(a . b)`.
-pub fn harmonics([x, y, z]: Direction, order: usize) -> Vec<f64> {
+pub fn harmonics(direction: Direction, order: usize) -> Vec<f64> {
     let mut out = vec![0.0; harmonics_count(order)];
+    harmonics_into(direction, order, &mut out);
+    out
+}
+
+/// [`harmonics`] into the first `(order + 1)^2` places of a list that is there.
+pub fn harmonics_into([x, y, z]: Direction, order: usize, out: &mut [f64]) {
     // Re and Im of (x + i y)^m, and the Legendre functions divided by sin^m, normalised on the way (no overflow).
     let (mut re, mut im) = (1.0, 0.0);
     let mut diagonal = (1.0 / (4.0 * PI)).sqrt();
@@ -211,7 +217,6 @@ pub fn harmonics([x, y, z]: Direction, order: usize) -> Vec<f64> {
             }
         }
     }
-    out
 }
 
 /// Legendre polynomials `P_0 .. P_order` at `x`.

@@ -1,8 +1,19 @@
 //! Light of a flash inside the clouds: transport in grids, its Monte Carlo reference. Knows no clock, no client, no GPU.
 
+pub mod angles;
+pub mod balance;
+pub mod direct;
+pub mod krylov;
+pub mod lanes;
 pub mod medium;
 pub mod monte_carlo;
+pub mod ordinates;
 pub mod phase;
 pub mod slab;
+pub mod walk;
 
-mod walk;
+mod operator;
+mod path;
+mod rays;
+mod reconstruct;
+mod surface;

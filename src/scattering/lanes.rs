@@ -1,0 +1,85 @@
+//! Sixteen sources side by side: the vector type of the solver, and the choice of instruction set at run time.
+
+/// Sources solved together.
+pub const LANES: usize = 16;
+
+/// One number for each of [`LANES`] sources. Lanes never mix, and nothing is fused, so every instruction set gives the same bits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(align(64))]
+pub struct Lanes(pub [f32; LANES]);
+
+impl Lanes {
+    /// Zero in every lane.
+    pub const ZERO: Self = Self([0.0; LANES]);
+
+    /// The same number in every lane.
+    #[inline(always)]
+    pub fn splat(value: f32) -> Self {
+        Self([value; LANES])
+    }
+
+    /// `self + weight * other`.
+    #[inline(always)]
+    #[must_use]
+    pub fn plus(self, weight: f32, other: &Self) -> Self {
+        let mut out = self;
+        for (o, b) in out.0.iter_mut().zip(&other.0) {
+            *o += weight * *b;
+        }
+        out
+    }
+
+    /// `self * other`, lane by lane.
+    #[inline(always)]
+    #[must_use]
+    pub fn times(self, other: &Self) -> Self {
+        let mut out = self;
+        for (o, b) in out.0.iter_mut().zip(&other.0) {
+            *o *= *b;
+        }
+        out
+    }
+
+    /// `self * weight`.
+    #[inline(always)]
+    #[must_use]
+    pub fn scaled(self, weight: f32) -> Self {
+        let mut out = self;
+        for o in &mut out.0 {
+            *o *= weight;
+        }
+        out
+    }
+}
+
+/// Runs one body compiled for the widest instruction set that the processor has. The body must be `#[inline(always)]`.
+macro_rules! dispatch {
+    ($(#[$note:meta])* fn $name:ident($($arg:ident: $kind:ty),* $(,)?) => $body:path) => {
+        $(#[$note])*
+        pub fn $name($($arg: $kind),*) {
+            #[cfg(target_arch = "x86_64")]
+            {
+                #[target_feature(enable = "avx512f")]
+                fn wide($($arg: $kind),*) {
+                    $body($($arg),*);
+                }
+                #[target_feature(enable = "avx2")]
+                fn middle($($arg: $kind),*) {
+                    $body($($arg),*);
+                }
+                if is_x86_feature_detected!("avx512f") {
+                    #[expect(unsafe_code, reason = "the line above has asked the processor for this instruction set")]
+                    // SAFETY: the function is safe but for the instructions that it needs, and these are there.
+                    return unsafe { wide($($arg),*) };
+                }
+                if is_x86_feature_detected!("avx2") {
+                    #[expect(unsafe_code, reason = "the line above has asked the processor for this instruction set")]
+                    // SAFETY: as above.
+                    return unsafe { middle($($arg),*) };
+                }
+            }
+            $body($($arg),*);
+        }
+    };
+}
+pub(super) use dispatch;

@@ -1,0 +1,405 @@
+//! The solver: light of point sources in a box of cells, scattered any number of times, by discrete ordinates.
+//!
+//! *What it is.* The transfer equation behind Dobashi et al. 2007, eq. 1, `s . grad I = -sigma I + sigma albedo P I`, with
+//! one point source a lane. Eq. 1 itself, as a matrix over pairs of cells, loses or makes energy at any depth that
+//! matters and is not built. *How we compute it.* The extinction is delta-M scaled; direct light is analytic
+//! (`direct`), the diffuse light is swept along the directions (`operator`) and iterated (`krylov`); then the scattered
+//! light is reconstructed with the phase function as it is (`reconstruct`). *How we store it.* Per unit of extinction, so
+//! that it interpolates smoothly and is multiplied by a finer extinction once. *How we read it back.* [`Light::towards`].
+
+use super::angles::Angles;
+use super::balance::{Energy, energies};
+use super::direct::{Direct, Rays};
+use super::krylov::{self, Method};
+use super::lanes::{LANES, Lanes};
+use super::medium::Medium;
+use super::operator::{Operator, Work};
+use super::phase::Phase;
+use super::reconstruct;
+use super::surface::Surface;
+use crate::numeric::sphere::{Direction, Rule};
+
+/// How the forward peak of the phase function is treated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Treatment {
+    /// Delta-M: the peak counts as not scattered. The best in accuracy and speed.
+    DeltaM,
+    /// The series is cut at the order of the rule and nothing else; for the report.
+    Truncated,
+}
+
+/// A diffuse ground below the box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ground {
+    /// Share of the light that it sends back, 0 to 1.
+    pub albedo: f64,
+    /// Distance below the box, m, 0 or more.
+    pub depth_m: f64,
+}
+
+/// What to solve and how well.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Params {
+    /// Directions; more follow sharp light better and cost in proportion. Default 26, the paper's.
+    pub rule: Rule,
+    /// Phase function of the droplets. Default Henyey-Greenstein 0.85.
+    pub phase: Phase,
+    /// Treatment of its peak. Default delta-M.
+    pub treatment: Treatment,
+    /// Single-scattering albedo, 0 to 1. Default 0.9999 (water in visible light).
+    pub albedo: f64,
+    /// Ground below. Default none.
+    pub ground: Option<Ground>,
+    /// Residual relative to the first scattering at which it stops, 1e-7 to 0.1. Default 1e-4; less costs iterations.
+    pub tolerance: f64,
+    /// Most sweeps over all directions, 1 to 100,000. Default 2,000.
+    pub most_sweeps: usize,
+    /// Iteration; none chooses by optical depth and albedo. Default none.
+    pub method: Option<Method>,
+    /// Rays around the source for the cells near it, 64 to 65,536. Default 2,048.
+    pub rays: usize,
+}
+
+impl Default for Params {
+    fn default() -> Self {
+        Self {
+            rule: Rule::Lebedev26,
+            phase: Phase::HenyeyGreenstein(0.85),
+            treatment: Treatment::DeltaM,
+            albedo: 0.9999,
+            ground: None,
+            tolerance: 1e-4,
+            most_sweeps: 2000,
+            method: None,
+            rays: 2048,
+        }
+    }
+}
+
+/// A point source of a lane; a lane may have many (a bolt).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointSource {
+    /// Position from the lower south-west corner of the box, m; may lie outside.
+    pub position_m: Direction,
+    /// Radiant intensity, W/sr, 0 or more.
+    pub intensity: f64,
+}
+
+/// Light of one lane's sources.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Light {
+    /// Scattered light per unit of extinction (times the extinction it is `b` of Dobashi et al. 2007), W/(m^2 sr):
+    /// directions times cells.
+    pub towards: Vec<f32>,
+    /// Of `towards`, what comes of direct light.
+    pub single: Vec<f32>,
+    /// Moments of the diffuse radiance of the transport, W/m^2: cells times moments.
+    pub diffuse: Vec<f32>,
+    /// Fluence of direct and diffuse light, W/m^2 a cell; times albedo and extinction it is the scattered light in all.
+    pub fluence: Vec<f32>,
+    /// Where the energy went.
+    pub energy: Energy,
+}
+
+/// How a solve went.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Info {
+    /// The iteration that ended it.
+    pub method: Method,
+    /// Sweeps over all directions.
+    pub sweeps: usize,
+    /// Greatest residual of the lanes, relative to their first scattering.
+    pub residual: f64,
+    /// Values of `towards` that were negative (interpolation beside sharp light) and are 0 now, as a share.
+    pub clamped: f64,
+}
+
+/// Why there is no solution.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SolveError {
+    /// A parameter out of range.
+    #[error("{field} is {value}: {limit}")]
+    Parameter {
+        /// Which one.
+        field: &'static str,
+        /// What it was.
+        value: f64,
+        /// What it must be.
+        limit: &'static str,
+    },
+    /// A source that is none.
+    #[error("source {index}: {field} is {value}: {limit}")]
+    Source {
+        /// Its number, counted over all lanes.
+        index: usize,
+        /// Which of its numbers.
+        field: &'static str,
+        /// What it was.
+        value: f64,
+        /// What it must be.
+        limit: &'static str,
+    },
+    /// More lanes than fit.
+    #[error("{0} sources at once: at most {LANES}")]
+    Lanes(usize),
+    /// The limit of sweeps was reached, or numbers overflowed.
+    #[error("residual {residual} after {sweeps} sweeps, {tolerance} was asked for")]
+    NoConvergence {
+        /// Residual reached.
+        residual: f64,
+        /// Residual asked for.
+        tolerance: f64,
+        /// Sweeps done.
+        sweeps: usize,
+    },
+}
+
+/// A solver made ready for one medium.
+pub struct Solver {
+    medium: Medium,
+    params: Params,
+    angles: Angles,
+    rays: Rays,
+    matrix: Vec<f32>,
+    scattering: Vec<f64>,
+}
+
+impl Solver {
+    /// Checks the parameters and computes what does not depend on sources. The light is open whether or not the medium
+    /// is periodic (take [`Medium::window`] first).
+    ///
+    /// # Errors
+    /// [`SolveError::Parameter`].
+    pub fn new(medium: &Medium, params: Params) -> Result<Self, SolveError> {
+        check(&params)?;
+        let angles = Angles::new(params.rule);
+        let order = params.rule.order();
+        let mut scaled = medium.clone();
+        let mut moments = params.phase.moments(order);
+        let mut albedo = params.albedo;
+        if params.treatment == Treatment::DeltaM {
+            let delta = params.phase.delta_m(order);
+            let factor = delta.extinction_factor(params.albedo) as f32;
+            scaled.extinction_per_m.iter_mut().for_each(|s| *s *= factor);
+            albedo = delta.albedo(params.albedo);
+            moments = delta.moments;
+        }
+        Ok(Self {
+            rays: Rays::new(params.rays, &angles, params.phase),
+            matrix: reconstruct::matrix(&angles, params.phase),
+            scattering: moments.iter().map(|m| albedo * m).collect(),
+            medium: scaled,
+            params,
+            angles,
+        })
+    }
+
+    /// Directions of the results.
+    pub fn angles(&self) -> &Angles {
+        &self.angles
+    }
+
+    /// The same solver for another medium of the same shape of cells.
+    pub fn with_medium(&mut self, medium: &Medium) {
+        let factor = match self.params.treatment {
+            Treatment::DeltaM => {
+                self.params.phase.delta_m(self.params.rule.order()).extinction_factor(self.params.albedo)
+            }
+            Treatment::Truncated => 1.0,
+        };
+        self.medium = medium.clone();
+        self.medium.extinction_per_m.iter_mut().for_each(|s| *s *= factor as f32);
+    }
+
+    /// Light of up to sixteen lanes of sources.
+    ///
+    /// # Errors
+    /// [`SolveError`]; nothing is solved by half.
+    pub fn solve(&self, lanes: &[&[PointSource]]) -> Result<(Vec<Light>, Info), SolveError> {
+        check_sources(lanes)?;
+        let directs: Vec<Direct> = lanes.iter().map(|points| self.direct(points)).collect();
+        let power: Vec<f64> = lanes.iter().map(|p| p.iter().map(|q| q.intensity).sum()).collect();
+        self.scatter(&directs, &power)
+    }
+
+    /// Direct light of one lane's points.
+    pub fn direct(&self, points: &[PointSource]) -> Direct {
+        let columns = self.params.ground.map_or(0, |_| self.medium.cells[0] * self.medium.cells[1]);
+        let mut direct = Direct::dark(self.medium.len(), &self.angles, columns);
+        for point in points.iter().filter(|p| p.intensity > 0.0) {
+            let with = (&self.angles, &self.rays, self.params.phase);
+            let depth = self.params.ground.map(|g| g.depth_m);
+            direct.add(&self.medium, point.position_m, point.intensity, with, depth);
+        }
+        direct
+    }
+
+    /// Whatever is scattered of given direct light.
+    fn scatter(&self, directs: &[Direct], power: &[f64]) -> Result<(Vec<Light>, Info), SolveError> {
+        let operator = self.operator();
+        let mut work = Work::new(&operator);
+        let size = self.medium.len() * self.angles.moments;
+        let first = interleave(directs.iter().map(|d| &d.moments[..]), size);
+        let mut b = vec![Lanes::ZERO; size];
+        operator.apply(&first, Some(&operator.first(directs)), &mut work, &mut b);
+        let once = (work.source.clone(), work.radiance.clone());
+        let mut x = b.clone();
+        let done = krylov::solve(
+            |x, out| operator.apply(x, None, &mut work, out),
+            &b,
+            &mut x,
+            self.method(),
+            self.params.tolerance,
+            self.params.most_sweeps,
+        );
+        if !done.converged {
+            return Err(SolveError::NoConvergence {
+                residual: done.residual,
+                tolerance: self.params.tolerance,
+                sweeps: done.applications,
+            });
+        }
+        // Once more for the radiance itself, then light scattered once on top of light scattered more often.
+        let mut again = vec![Lanes::ZERO; size];
+        operator.apply(&x, None, &mut work, &mut again);
+        add(&mut work.source, &once.0);
+        add(&mut work.radiance, &once.1);
+        add(&mut again, &b);
+        let x = again;
+        let mut all = x.clone();
+        add(&mut all, &first);
+        let energy = energies(&operator, &self.medium, &work, (&all, &self.scattering), directs, power);
+        let mut towards = vec![Lanes::ZERO; work.radiance.len()];
+        reconstruct::diffuse(&self.matrix, &work.radiance, self.medium.len(), &mut towards);
+        let mut info =
+            Info { method: done.method, sweeps: done.applications + 2, residual: done.residual, clamped: 0.0 };
+        let mut negative = 0_usize;
+        let lights: Vec<Light> = directs
+            .iter()
+            .zip(energy)
+            .enumerate()
+            .map(|(l, (direct, energy))| {
+                let (light, below) = self.light(l, direct, &towards, &x, energy);
+                negative += below;
+                light
+            })
+            .collect();
+        info.clamped = negative as f64 / (towards.len() * directs.len().max(1)) as f64;
+        Ok((lights, info))
+    }
+
+    /// The result of one lane, and how many of its values were negative.
+    fn light(
+        &self,
+        lane: usize,
+        direct: &Direct,
+        towards: &[Lanes],
+        diffuse: &[Lanes],
+        energy: Energy,
+    ) -> (Light, usize) {
+        let albedo = self.params.albedo as f32;
+        let mut negative = 0;
+        let total = towards
+            .iter()
+            .zip(&direct.towards)
+            .map(|(diffuse, single)| {
+                let value = albedo * (diffuse.0[lane] + single);
+                negative += usize::from(value < 0.0);
+                value.max(0.0)
+            })
+            .collect();
+        let nk = self.angles.moments;
+        let whole = (4.0 * std::f32::consts::PI).sqrt();
+        let light = Light {
+            towards: total,
+            single: direct.towards.iter().map(|s| albedo * s).collect(),
+            diffuse: diffuse.iter().map(|d| d.0[lane]).collect(),
+            fluence: (0..self.medium.len())
+                .map(|c| whole * (diffuse[c * nk].0[lane] + direct.moments[c * nk]).max(0.0))
+                .collect(),
+            energy,
+        };
+        (light, negative)
+    }
+
+    /// The transport of the scaled medium.
+    pub(super) fn operator(&self) -> Operator<'_> {
+        let ground = self.params.ground.map(|g| Surface {
+            albedo: g.albedo,
+            depth_m: g.depth_m,
+            spacing_m: [self.medium.spacing_m[0], self.medium.spacing_m[1]],
+        });
+        Operator::new(&self.medium, &self.angles, &self.scattering, ground)
+    }
+
+    /// Source iteration where light soon leaves or is absorbed, BiCGStab elsewhere.
+    fn method(&self) -> Method {
+        self.params.method.unwrap_or_else(|| {
+            let transport = self.medium.greatest_cell_depth() * (1.0 - self.scattering[1].max(0.0));
+            if transport < 0.6 || self.scattering[0] < 0.7 { Method::SourceIteration } else { Method::BiCgStab }
+        })
+    }
+}
+
+fn add(to: &mut [Lanes], what: &[Lanes]) {
+    for (a, b) in to.iter_mut().zip(what) {
+        *a = a.plus(1.0, b);
+    }
+}
+
+fn interleave<'a>(lists: impl Iterator<Item = &'a [f32]>, size: usize) -> Vec<Lanes> {
+    let mut out = vec![Lanes::ZERO; size];
+    for (l, list) in lists.enumerate() {
+        for (o, v) in out.iter_mut().zip(list) {
+            o.0[l] = *v;
+        }
+    }
+    out
+}
+
+fn check(params: &Params) -> Result<(), SolveError> {
+    let refuse = |field, value, limit| Err(SolveError::Parameter { field, value, limit });
+    if let Some(limit) = params.phase.fault() {
+        return refuse("phase", params.phase.asymmetry(), limit);
+    }
+    if !(0.0..=1.0).contains(&params.albedo) {
+        return refuse("albedo", params.albedo, "0 to 1");
+    }
+    if !(1e-7..=0.1).contains(&params.tolerance) {
+        return refuse("tolerance", params.tolerance, "1e-7 to 0.1");
+    }
+    if !(1..=100_000).contains(&params.most_sweeps) {
+        return refuse("most_sweeps", params.most_sweeps as f64, "1 to 100,000");
+    }
+    if !(64..=65_536).contains(&params.rays) {
+        return refuse("rays", params.rays as f64, "64 to 65,536");
+    }
+    if let Some(ground) = params.ground {
+        if !(0.0..=1.0).contains(&ground.albedo) {
+            return refuse("ground.albedo", ground.albedo, "0 to 1");
+        }
+        if !(ground.depth_m >= 0.0 && ground.depth_m <= 1e6) {
+            return refuse("ground.depth_m", ground.depth_m, "0 to 1e6");
+        }
+    }
+    Ok(())
+}
+
+fn check_sources(lanes: &[&[PointSource]]) -> Result<(), SolveError> {
+    if lanes.len() > LANES {
+        return Err(SolveError::Lanes(lanes.len()));
+    }
+    for (index, point) in lanes.iter().flat_map(|l| l.iter()).enumerate() {
+        let refuse = |field, value, limit| Err(SolveError::Source { index, field, value, limit });
+        if !(point.intensity >= 0.0 && point.intensity <= 1e15) {
+            return refuse("intensity", point.intensity, "0 to 1e15 W/sr");
+        }
+        if let Some(x) = point.position_m.iter().find(|x| x.is_nan() || x.abs() > 1e7) {
+            return refuse("position_m", *x, "within 1e7 m");
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;
