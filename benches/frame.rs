@@ -1,4 +1,5 @@
-//! Time of whole frames at 640x360 with one deck of 32 slices, on both executors: below, above and inside the deck.
+//! Time of whole frames at 640x360 with one deck of 32 slices, on both executors and, on a
+//! GPU, in both forms of the deck: below, above and inside it.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
@@ -9,13 +10,13 @@ use stormdeck::plan::{FramePlan, Output, plan};
 use stormdeck::reference::ReferenceExecutor;
 use stormdeck::world::World;
 use stormdeck::world::command::{Command, LayerSpec, Ownship, WeatherEdit};
-use stormdeck::world::snapshot::Quality;
+use stormdeck::world::snapshot::{DeckForm, Quality};
 
 /// The plan of a frame of broken cumulus between 1000 and 2200 m from an altitude.
-fn scene(altitude_m: f64, pitch_deg: f64) -> FramePlan {
+fn scene(altitude_m: f64, pitch_deg: f64, deck_form: DeckForm) -> FramePlan {
     let mut world = World::new();
     let quality = world.peek(0.0).quality;
-    world.set_quality(Quality { deck_scale: 2, ..quality });
+    world.set_quality(Quality { deck_scale: 2, deck_form, ..quality });
     let ownship = Ownship {
         latitude_deg: 47.0,
         longitude_deg: 8.0,
@@ -44,18 +45,21 @@ fn scene(altitude_m: f64, pitch_deg: f64) -> FramePlan {
 }
 
 fn frames(criterion: &mut Criterion) {
-    let mut executors: Vec<(&str, Box<dyn Executor>)> = vec![("reference", Box::new(ReferenceExecutor::new()))];
-    match GpuExecutor::new() {
-        Ok(gpu) => executors.push(("gpu", Box::new(gpu))),
-        Err(fault) => eprintln!("not timed on the GPU: {fault}"),
+    let mut executors: Vec<(&str, DeckForm, Box<dyn Executor>)> =
+        vec![("reference", DeckForm::Auto, Box::new(ReferenceExecutor::new()))];
+    for (name, form) in [("gpu, marched", DeckForm::Marched), ("gpu, instanced", DeckForm::Instanced)] {
+        match GpuExecutor::new() {
+            Ok(gpu) => executors.push((name, form, Box::new(gpu))),
+            Err(fault) => eprintln!("not timed on the GPU: {fault}"),
+        }
     }
-    for (name, executor) in &mut executors {
+    for (name, form, executor) in &mut executors {
         println!("{}", executor.describe());
         let mut group = criterion.benchmark_group(*name);
         group.sample_size(20);
         for (place, altitude_m, pitch_deg) in [("below", 500.0, 5.0), ("above", 6000.0, -8.0), ("inside", 1500.0, 0.0)]
         {
-            let plan = scene(altitude_m, pitch_deg);
+            let plan = scene(altitude_m, pitch_deg, *form);
             group.bench_function(place, |bencher| {
                 bencher.iter(|| {
                     executor.submit(1, black_box(&plan)).expect("submitted");

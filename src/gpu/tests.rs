@@ -32,6 +32,7 @@ struct Scene {
     longitude_deg: f64,
     strike: bool,
     region: bool,
+    tower: bool,
 }
 
 const BELOW: Scene = Scene {
@@ -43,6 +44,7 @@ const BELOW: Scene = Scene {
     longitude_deg: 8.0,
     strike: false,
     region: false,
+    tower: false,
 };
 
 impl Scene {
@@ -86,8 +88,8 @@ impl Scene {
                 rotation_deg: 30.0,
                 transition_m: 1_500.0,
             };
-            // It rises through the surroundings' layer: each is cut at the other's base and top.
-            let (base_m, thickness_m) = (800.0, 3000.0);
+            // A tower rises through the surroundings' layer: each is cut at the other's base and top.
+            let (base_m, thickness_m) = if self.tower { (800.0, 3000.0) } else { (1000.0, 1200.0) };
             let dense = LayerSpec { coverage: 1.0, kind: CloudKind::Nimbostratus, base_m, thickness_m, ..layer };
             apply(Command::Weather(WeatherEdit {
                 region: Some(shape),
@@ -190,6 +192,7 @@ fn the_deck_equals_its_twin() {
         ("overcast", Scene { coverage: 1.0, ..BELOW }),
         ("flash", Scene { strike: true, ..BELOW }),
         ("region", Scene { region: true, coverage: 0.1, ..BELOW }),
+        ("tower", Scene { region: true, tower: true, coverage: 0.1, ..BELOW }),
     ];
     let needs = |scene: Scene| scene.plan(Output::LinearRgb).layers[0].layer;
     assert!(needs(scenes[6].1).flashes > 0 && needs(scenes[7].1).regions > 0, "each variant of the shader is drawn");
