@@ -7,7 +7,7 @@ use super::pipelines::{GroundVariant, Pipelines};
 use super::resident::Resident;
 use super::ring::Content;
 use super::targets::Target;
-use super::{instanced, march};
+use super::{instanced, march, shadow};
 use crate::passes::common::Camera;
 use crate::plan::{FramePlan, Output};
 use crate::world::snapshot::DeckForm;
@@ -32,7 +32,15 @@ pub fn submit(executor: &mut GpuExecutor, ticket: u64, plan: &FramePlan) {
         };
         deck = &target.deck[image];
     }
-    let recorder = Recorder { gpu, target };
+    if let Some(shadows) = &plan.shadow {
+        // What the deck hides is read by its neighbours where a texel is larger than a pixel.
+        let hiding = if shadows.scale == 1 { deck } else { &nothing };
+        let frame = frame_group(gpu, pipelines, resident, plan, &plan.camera.coarser(shadows.scale), hiding);
+        let scene = Scene { plan, frame: &frame, decks: &decks, target, nothing: &nothing };
+        let casters = shadow::casters(gpu, pipelines, resident, plan);
+        shadow::record(gpu, pipelines, &mut encoder, &scene, &casters);
+    }
+    let recorder = Recorder { gpu, target, nothing: &nothing };
     let frame = frame_group(gpu, pipelines, resident, plan, &plan.camera, deck);
     recorder.behind(&mut encoder, pipelines, &frame, plan);
     let (texture, content) = match plan.output {
@@ -87,6 +95,7 @@ pub fn group(gpu: &Gpu, layout: &wgpu::BindGroupLayout, resources: &[wgpu::Bindi
 struct Recorder<'a> {
     gpu: &'a Gpu,
     target: &'a Target,
+    nothing: &'a wgpu::TextureView,
 }
 
 impl Recorder<'_> {
@@ -99,8 +108,9 @@ impl Recorder<'_> {
     ) {
         let ground = plan.ground.as_ref().map(|ground| {
             let uniform = self.gpu.buffer("ground", bytemuck::bytes_of(ground), wgpu::BufferUsages::STORAGE);
-            let group = group(self.gpu, &pipelines.ground_layout, &[uniform.as_entire_binding()]);
-            (GroundVariant::of(ground), group)
+            let shadow = self.target.shadow.as_ref().unwrap_or(self.nothing);
+            let resources = [uniform.as_entire_binding(), wgpu::BindingResource::TextureView(shadow)];
+            (GroundVariant::of(ground, plan), group(self.gpu, &pipelines.ground_layout, &resources))
         });
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("behind"),

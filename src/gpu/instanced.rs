@@ -28,7 +28,7 @@ pub fn record(gpu: &Gpu, pipelines: &mut Pipelines, encoder: &mut wgpu::CommandE
     let (buffers, draws) = draws(gpu, plan);
     let (sector, steps) = sector(&plan.camera);
     let sector = gpu.buffer("sector", bytemuck::bytes_of(&sector), wgpu::BufferUsages::STORAGE);
-    let mesh = group(gpu, &pipelines.ground_layout, &[sector.as_entire_binding()]);
+    let mesh = group(gpu, &pipelines.mesh_layout, &[sector.as_entire_binding()]);
     let gathered = wgpu::BindingResource::TextureView(&target.deck[0]);
     let gathered = group(gpu, &pipelines.image_layout, &[gathered]);
     for (i, batch) in batches(&draws).iter().enumerate() {

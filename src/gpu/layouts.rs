@@ -6,7 +6,9 @@ use super::device::Gpu;
 pub struct Layouts {
     pub frame: wgpu::BindGroupLayout,
     pub deck: wgpu::BindGroupLayout,
+    pub mesh: wgpu::BindGroupLayout,
     pub ground: wgpu::BindGroupLayout,
+    pub shadow: wgpu::BindGroupLayout,
     pub image: wgpu::BindGroupLayout,
     pub light: wgpu::BindGroupLayout,
     pub march: wgpu::BindGroupLayout,
@@ -15,7 +17,7 @@ pub struct Layouts {
 impl Layouts {
     /// All of them.
     pub fn new(gpu: &Gpu) -> Self {
-        use wgpu::TextureViewDimension::{D2, D3};
+        use wgpu::TextureViewDimension::{D2, D2Array, D3};
         let layout = |label: &str, stages: wgpu::ShaderStages, kinds: &[wgpu::BindingType]| {
             let entries: Vec<_> = kinds
                 .iter()
@@ -45,6 +47,7 @@ impl Layouts {
         let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
         let drawing = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
         let volume = texture(D3, true);
+        let columns = texture(D2Array, true);
         let written = |format, view_dimension| wgpu::BindingType::StorageTexture {
             access: wgpu::StorageTextureAccess::WriteOnly,
             format,
@@ -61,7 +64,9 @@ impl Layouts {
                 drawing,
                 &[parameters, volume, volume, volume, volume, texture(D2, true), volume, sampler],
             ),
-            ground: layout("ground", drawing, &[parameters]),
+            mesh: layout("mesh", drawing, &[parameters]),
+            ground: layout("ground", drawing, &[parameters, texture(D2, true)]),
+            shadow: layout("shadow", drawing, &[parameters, columns, columns, columns, sampler]),
             image: layout("image", drawing, &[texture(D2, false)]),
             light: layout(
                 "light",

@@ -1,7 +1,7 @@
 //! The GPU executor: the only importer of wgpu.
 //!
 //! One frame is: the light volumes that are not resident, then the deck in batches from near to far with an occlusion
-//! pass between them, then ground and sky behind it, then tone mapping and a copy into a slot of the read-back ring.
+//! pass between them, then the shadows on the ground, ground and sky behind it, then tone mapping and a copy into a slot of the read-back ring.
 //! Everything is blended "under": a target's alpha is what is already hidden.
 
 mod deck;
@@ -14,6 +14,7 @@ mod march;
 mod pipelines;
 mod resident;
 mod ring;
+mod shadow;
 mod targets;
 mod textures;
 

@@ -5,6 +5,7 @@ use super::layouts::{Layouts, pipeline_layout};
 use super::targets::{DEPTH_FORMAT, PICTURE_FORMAT};
 use crate::passes::deck::Instance;
 use crate::passes::ground::Ground;
+use crate::plan::FramePlan;
 use std::collections::HashMap;
 
 const COMMON: &str = include_str!("../passes/common.wgsl");
@@ -18,6 +19,7 @@ pub fn shaders() -> Vec<(&'static str, String)> {
         with_common("ground", include_str!("../passes/ground/ground.wgsl")),
         with_common("deck", &format!("{FIELD}\n{}", include_str!("../passes/deck/deck.wgsl"))),
         with_common("march", &format!("{FIELD}\n{}", include_str!("../passes/deck/march.wgsl"))),
+        with_common("shadow", &format!("{FIELD}\n{}", include_str!("../passes/shadow/shadow.wgsl"))),
         with_common("cull", include_str!("../passes/cull/cull.wgsl")),
         ("light", include_str!("../passes/light/light.wgsl").to_string()),
         ("tonemap", include_str!("../passes/tonemap/tonemap.wgsl").to_string()),
@@ -49,17 +51,28 @@ pub struct GroundVariant {
     pub several_charts: bool,
     pub flashes: bool,
     pub cities: bool,
+    pub shadows: bool,
 }
 
 impl GroundVariant {
-    /// For these parameters.
-    pub fn of(ground: &Ground) -> Self {
-        Self { several_charts: ground.charts > 1, flashes: ground.flashes > 0, cities: ground.city_luminance > 0.0 }
+    /// For the ground of a plan.
+    pub fn of(ground: &Ground, plan: &FramePlan) -> Self {
+        Self {
+            several_charts: ground.charts > 1,
+            flashes: ground.flashes > 0,
+            cities: ground.city_luminance > 0.0,
+            shadows: plan.shadow.is_some(),
+        }
     }
 
-    fn constants(self) -> [(&'static str, f64); 3] {
+    fn constants(self) -> [(&'static str, f64); 4] {
         let flag = |on: bool| f64::from(u8::from(on));
-        [("SEVERAL_CHARTS", flag(self.several_charts)), ("FLASHES", flag(self.flashes)), ("CITIES", flag(self.cities))]
+        [
+            ("SEVERAL_CHARTS", flag(self.several_charts)),
+            ("FLASHES", flag(self.flashes)),
+            ("CITIES", flag(self.cities)),
+            ("SHADOWS", flag(self.shadows)),
+        ]
     }
 }
 
@@ -67,7 +80,9 @@ impl GroundVariant {
 pub struct Pipelines {
     pub frame_layout: wgpu::BindGroupLayout,
     pub deck_layout: wgpu::BindGroupLayout,
+    pub mesh_layout: wgpu::BindGroupLayout,
     pub ground_layout: wgpu::BindGroupLayout,
+    pub shadow_layout: wgpu::BindGroupLayout,
     pub image_layout: wgpu::BindGroupLayout,
     pub light_layout: wgpu::BindGroupLayout,
     pub march_layout: wgpu::BindGroupLayout,
@@ -79,6 +94,9 @@ pub struct Pipelines {
     ground_module: wgpu::ShaderModule,
     ground_pipeline_layout: wgpu::PipelineLayout,
     ground: HashMap<GroundVariant, wgpu::RenderPipeline>,
+    shadow_module: wgpu::ShaderModule,
+    shadow_pipeline_layout: wgpu::PipelineLayout,
+    shadow: HashMap<DeckVariant, wgpu::RenderPipeline>,
     deck_module: wgpu::ShaderModule,
     deck_pipeline_layout: wgpu::PipelineLayout,
     deck: HashMap<DeckVariant, wgpu::RenderPipeline>,
@@ -120,10 +138,16 @@ impl Pipelines {
             tonemap: render(gpu, "tonemap", &module("tonemap"), &tonemap_layout, Some(opaque), None, &[]),
             light_down: light("light_down"),
             light_up: light("light_up"),
+            shadow_module: module("shadow"),
+            shadow_pipeline_layout: pipeline_layout(
+                gpu,
+                &[Some(&layouts.frame), Some(&layouts.deck), Some(&layouts.shadow)],
+            ),
+            shadow: HashMap::new(),
             deck_module: module("deck"),
             deck_pipeline_layout: pipeline_layout(
                 gpu,
-                &[Some(&layouts.frame), Some(&layouts.deck), Some(&layouts.ground)],
+                &[Some(&layouts.frame), Some(&layouts.deck), Some(&layouts.mesh)],
             ),
             deck: HashMap::new(),
             march_module: module("march"),
@@ -134,7 +158,9 @@ impl Pipelines {
             march: HashMap::new(),
             frame_layout: layouts.frame,
             deck_layout: layouts.deck,
+            mesh_layout: layouts.mesh,
             ground_layout: layouts.ground,
+            shadow_layout: layouts.shadow,
             image_layout: layouts.image,
             light_layout: layouts.light,
             march_layout: layouts.march,
@@ -147,6 +173,17 @@ impl Pipelines {
             let target = Some(added(gpu.light_format));
             let constants = variant.constants();
             render(gpu, "ground", &self.ground_module, &self.ground_pipeline_layout, target, None, &constants)
+        })
+    }
+
+    /// The shadow pipeline for what a layer needs.
+    pub fn shadow(&mut self, gpu: &Gpu, variant: DeckVariant) -> &wgpu::RenderPipeline {
+        // Flashes cast no shadow.
+        let variant = DeckVariant { flashes: false, ..variant };
+        self.shadow.entry(variant).or_insert_with(|| {
+            let target = Some(multiplied(super::shadow::FORMAT));
+            let constants = variant.constants();
+            render(gpu, "shadow", &self.shadow_module, &self.shadow_pipeline_layout, target, None, &constants)
         })
     }
 
@@ -175,6 +212,17 @@ fn under(format: wgpu::TextureFormat) -> wgpu::ColorTargetState {
     let component = wgpu::BlendComponent {
         src_factor: wgpu::BlendFactor::OneMinusDstAlpha,
         dst_factor: wgpu::BlendFactor::One,
+        operation: wgpu::BlendOperation::Add,
+    };
+    let blend = Some(wgpu::BlendState { color: component, alpha: component });
+    wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL }
+}
+
+/// Each layer passes a share of what the others have left.
+fn multiplied(format: wgpu::TextureFormat) -> wgpu::ColorTargetState {
+    let component = wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::Dst,
+        dst_factor: wgpu::BlendFactor::Zero,
         operation: wgpu::BlendOperation::Add,
     };
     let blend = Some(wgpu::BlendState { color: component, alpha: component });

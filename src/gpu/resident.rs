@@ -8,6 +8,8 @@ use crate::clouds::density::{self, DensityVolume};
 use crate::clouds::{CloudKind, detail, modulation};
 use crate::passes::deck::field::{BOUNDS_WIDTH, column_bounds};
 use crate::passes::light::Light;
+use crate::passes::shadow::Columns;
+use crate::passes::shadow::table as columns;
 use crate::passes::sky::table::{self, TableParams};
 use std::collections::VecDeque;
 
@@ -33,25 +35,30 @@ pub struct Resident {
     pub repeated: wgpu::Sampler,
     /// Repeating east and north, clamped upwards.
     pub tiled: wgpu::Sampler,
+    /// Repeating, linear between levels too.
+    pub levels: wgpu::Sampler,
     table: Option<(TableParams, wgpu::TextureView)>,
     shapes: VecDeque<(CloudKind, Shape)>,
     volumes: VecDeque<((CloudKind, Light), wgpu::TextureView)>,
     scratch: Option<light::Scratch>,
+    columns: VecDeque<((CloudKind, Columns), wgpu::TextureView)>,
 }
 
 impl Resident {
     /// Uploads what every frame reads.
     pub fn new(gpu: &Gpu) -> Self {
         use wgpu::AddressMode::{ClampToEdge, Repeat};
+        use wgpu::MipmapFilterMode::{Linear, Nearest};
         let byte = wgpu::TextureFormat::R8Unorm;
         let (w, d) = (modulation::WIDTH as u32, detail::WIDTH as u32);
-        let sampler = |horizontal, vertical| {
+        let sampler = |horizontal, vertical, mipmap_filter| {
             gpu.device.create_sampler(&wgpu::SamplerDescriptor {
                 address_mode_u: horizontal,
                 address_mode_v: horizontal,
                 address_mode_w: vertical,
                 mag_filter: wgpu::FilterMode::Linear,
                 min_filter: wgpu::FilterMode::Linear,
+                mipmap_filter,
                 ..Default::default()
             })
         };
@@ -59,13 +66,15 @@ impl Resident {
             map: filled(gpu, "map", byte, [w, w, 1], modulation::map()),
             detail: filled(gpu, "detail", byte, [d, d, d], detail::volume()),
             nothing: filled(gpu, "nothing", wgpu::TextureFormat::Rgba16Float, [1, 1, 1], &[0; 8]),
-            clamped: sampler(ClampToEdge, ClampToEdge),
-            repeated: sampler(Repeat, Repeat),
-            tiled: sampler(Repeat, ClampToEdge),
+            clamped: sampler(ClampToEdge, ClampToEdge, Nearest),
+            repeated: sampler(Repeat, Repeat, Nearest),
+            tiled: sampler(Repeat, ClampToEdge, Nearest),
+            levels: sampler(Repeat, Repeat, Linear),
             table: None,
             shapes: VecDeque::new(),
             volumes: VecDeque::new(),
             scratch: None,
+            columns: VecDeque::new(),
         }
     }
 
@@ -103,6 +112,20 @@ impl Resident {
         let view = entry.1.clone();
         self.volumes.push_front(entry);
         self.volumes.truncate(most);
+        view
+    }
+
+    /// The table of what a genus lets through of the light; made where it is not resident. `most`: how many may stay.
+    pub fn columns(&mut self, gpu: &Gpu, kind: CloudKind, params: &Columns, most: usize) -> wgpu::TextureView {
+        let key = (kind, *params);
+        let found = self.columns.iter().position(|(k, _)| *k == key).and_then(|at| self.columns.remove(at));
+        let entry = found.unwrap_or_else(|| {
+            let table = columns::build(params, &DensityVolume::of(kind).shape);
+            (key, super::shadow::upload(gpu, &table))
+        });
+        let view = entry.1.clone();
+        self.columns.push_front(entry);
+        self.columns.truncate(most);
         view
     }
 

@@ -14,8 +14,8 @@ pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 /// The tone-mapped picture, encoded by the shader.
 pub const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
-/// Size in pixels, pixels to one of the deck, and the deck's form.
-type Key = ([u32; 2], u32, DeckForm);
+/// Size in pixels, pixels to one of the deck, the deck's form, and pixels to one of the shadows.
+type Key = ([u32; 2], u32, DeckForm, Option<u32>);
 
 /// Targets of one size.
 pub struct Target {
@@ -24,6 +24,8 @@ pub struct Target {
     pub deck: Vec<wgpu::TextureView>,
     /// Pixels that are opaque, for the instanced form.
     pub occlusion: Option<wgpu::TextureView>,
+    /// Share of the light that reaches the ground, where layers cast shadows.
+    pub shadow: Option<wgpu::TextureView>,
     pub light: wgpu::Texture,
     pub light_view: wgpu::TextureView,
     pub picture: wgpu::Texture,
@@ -39,7 +41,7 @@ pub struct Targets {
 impl Targets {
     /// The targets of a plan.
     pub fn of(&mut self, gpu: &Gpu, plan: &FramePlan) -> &Target {
-        let key = (plan.size_px, plan.deck_scale, plan.deck_form);
+        let key = (plan.size_px, plan.deck_scale, plan.deck_form, plan.shadow.as_ref().map(|s| s.scale));
         let at = self.kept.iter().position(|t| t.key == key);
         let target = at.and_then(|at| self.kept.remove(at)).unwrap_or_else(|| Target::new(gpu, key));
         self.kept.push_front(target);
@@ -50,10 +52,11 @@ impl Targets {
 
 impl Target {
     fn new(gpu: &Gpu, key: Key) -> Self {
-        let (size_px, deck_scale, form) = key;
+        let (size_px, deck_scale, form, shadow_scale) = key;
         use wgpu::TextureUsages as Usage;
         let size = [size_px[0], size_px[1], 1];
-        let coarse = [size_px[0].div_ceil(deck_scale), size_px[1].div_ceil(deck_scale), 1];
+        let coarser = |scale: u32| [size_px[0].div_ceil(scale), size_px[1].div_ceil(scale), 1];
+        let coarse = coarser(deck_scale);
         let drawn = Usage::RENDER_ATTACHMENT | Usage::COPY_SRC;
         let read = drawn | Usage::TEXTURE_BINDING;
         let (images, deck_usage) = match form {
@@ -62,6 +65,7 @@ impl Target {
         };
         let deck = || empty(gpu, "deck", gpu.light_format, coarse, deck_usage);
         let occlusion = || empty(gpu, "occlusion", DEPTH_FORMAT, coarse, Usage::RENDER_ATTACHMENT);
+        let shadow = |scale| empty(gpu, "shadow", super::shadow::FORMAT, coarser(scale), read);
         let light = empty(gpu, "light", gpu.light_format, size, read);
         let picture = empty(gpu, "picture", PICTURE_FORMAT, size, drawn);
         let view = |t: &wgpu::Texture| t.create_view(&wgpu::TextureViewDescriptor::default());
@@ -69,6 +73,7 @@ impl Target {
             key,
             deck: (0..images).map(|_| view(&deck())).collect(),
             occlusion: (form == DeckForm::Instanced).then(|| view(&occlusion())),
+            shadow: shadow_scale.map(|scale| view(&shadow(scale))),
             light_view: view(&light),
             light,
             picture_view: view(&picture),

@@ -178,6 +178,36 @@ fn sky_and_ground_equal_their_twins() {
 
 #[test]
 #[cfg_attr(not(gpu_tests), ignore = "no graphics adapter")]
+fn shadows_on_the_ground_equal_their_twins() {
+    let mut gpu = gpu();
+    let down = Scene { pitch_deg: -35.0, altitude_m: 900.0, ..BELOW };
+    let seam = (0..360).map(|i| Scene { longitude_deg: f64::from(i) - 180.0, ..down });
+    let sunlit = |plan: &FramePlan| plan.ground.is_some_and(|g| g.light_lux[1] * g.light_direction[2] > 3e4);
+    let meets = |plan: &FramePlan| plan.layers[0].layer.charts > 1 && sunlit(plan);
+    let seam = seam.clone().find(|s| meets(&s.plan(Output::LinearRgb))).expect("a seam by day");
+    let scenes = [
+        ("below", down),
+        ("coarse", Scene { deck_scale: 2, ..down }),
+        ("where charts meet", seam),
+        ("above", Scene { altitude_m: 12_000.0, pitch_deg: -40.0, coverage: 0.3, ..down }),
+        ("region", Scene { region: true, ..down }),
+    ];
+    for (name, scene) in scenes {
+        let plan = scene.plan(Output::LinearRgb);
+        assert!(plan.shadow.is_some(), "{name}");
+        let lit = FramePlan { shadow: None, ..plan.clone() };
+        let (_, _, shaded) = difference(&draw(&mut gpu, &plan), &draw(&mut gpu, &lit), 0.05);
+        assert!(shaded > 0.1, "{name}: there are shadows to compare: {shaded}");
+        let (mean, beyond) = compare(&format!("shadows, {name}"), &mut gpu, scene);
+        // Bytes filtered with weights of 8 bits: a 256th of a step from light to dark, at shadows' edges only. From above
+        // the deck's own difference counts (see below).
+        assert!(mean < if name == "above" { 0.005 } else { 0.003 }, "{name}: {mean}");
+        assert!(beyond < 0.02, "{name}: {beyond}");
+    }
+}
+
+#[test]
+#[cfg_attr(not(gpu_tests), ignore = "no graphics adapter")]
 fn the_deck_equals_its_twin() {
     let mut gpu = gpu();
     // Somewhere along the parallel, where it is day, two charts meet.
@@ -234,10 +264,15 @@ fn a_wrong_shader_is_noticed() {
         ("deck", "seen.light = source(", "seen.light = 1.1 * source("),
         ("cull", ".a < 1.0 - OPAQUE", ".a < -1.0"),
         ("ground", "seen = lit * albedo * 0.31830987", "seen = lit * albedo * 0.36"),
+        ("shadow", "p + layer.light_direction * distance", "p + layer.light_direction * (0.9 * distance)"),
+        ("shadow", "entry * (1.0 / 3.0)", "entry * 0.3"),
+        ("ground", "ground_luminance(direction, t, passed)", "ground_luminance(direction, t, 1.0)"),
         ("sky", "found.rgb * sky.table_scale", "found.rgb * sky.table_scale * 1.05"),
     ] {
         gpu.pipelines = broken(&gpu, module, right, wrong);
         let scene = match module {
+            "shadow" => Scene { pitch_deg: -35.0, altitude_m: 900.0, ..BELOW },
+            "ground" if right.contains("passed") => Scene { pitch_deg: -35.0, altitude_m: 900.0, ..BELOW },
             "ground" => Scene { coverage: 0.0, pitch_deg: -50.0, ..BELOW },
             "sky" => Scene { coverage: 0.0, altitude_m: 9000.0, pitch_deg: 3.0, ..BELOW },
             "deck" | "cull" => Scene { form: DeckForm::Instanced, ..BELOW },

@@ -10,5 +10,6 @@ pub mod deck;
 pub mod ground;
 pub mod light;
 pub mod sampling;
+pub mod shadow;
 pub mod sky;
 pub mod tonemap;

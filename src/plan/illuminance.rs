@@ -6,6 +6,7 @@ mod exposure;
 use super::PassNote;
 use super::eye::Eye;
 use super::regions::NearRegion;
+use super::shadow::{self, ShadowPlan};
 use crate::passes::common::{AIR_SCALE_M, Camera};
 use crate::passes::deck::{FLASHES, Flash};
 use crate::passes::ground::Ground;
@@ -35,8 +36,12 @@ pub struct Illuminance {
     pub columns: Vec<Column>,
     /// Light at the ground under the eye, the columns weighted as they rule there.
     pub ground: Level,
+    /// Light of the source on ground that no cloud shades, lux per colour on a plane facing it.
+    pub unshaded_lux: Vec3,
     /// Factor from cd/m2 to tone-mapped values.
     pub exposure: f32,
+    /// How much each column rules at the eye.
+    shares: Vec<f32>,
     air: Air,
     lights: [Luminary; 2],
     night: f32,
@@ -103,7 +108,8 @@ impl Illuminance {
         let night = 1.0 - crate::passes::common::smoothstep(-0.14, -0.03, sun.z);
         // Full scale at 1.2 * 2^EV cd/m2 (ISO 2720 with K = 12.5 and saturation-based speed).
         let exposure = 1.0 / (1.2 * ev.exp2());
-        Self { table, source: key.direction, columns, ground, exposure, air, lights, night }
+        let unshaded_lux = clear.ground.direct_lux;
+        Self { table, source: key.direction, columns, ground, unshaded_lux, exposure, shares, air, lights, night }
     }
 
     /// The camera of a view.
@@ -159,18 +165,42 @@ impl Illuminance {
         }
     }
 
-    /// The ground, if it is in sight.
-    pub fn ground(&self, eye: &Eye, flashes: &[Flash], notes: &mut Vec<PassNote>) -> Option<Ground> {
+    /// The light on ground between the clouds.
+    pub fn between_clouds(&self) -> shadow::Light {
+        let (direct_lux, diffuse_lux) = (self.unshaded_lux.y, self.ground.diffuse_lux.y);
+        shadow::Light { source: self.source, direct_lux, diffuse_lux, weathers: self.columns.len() }
+    }
+
+    /// Light for ground with shadows: the source's is that between clouds. Clouds stop more of it than the columns know, who
+    /// know no flanks and no slant; that share is scattered and comes down as diffuse light, so that the mean over much
+    /// ground stays what the exposure is made for.
+    fn shaded(&self, shadows: &ShadowPlan) -> Level {
+        let stopped = |(column, through): (&Column, &f32)| column.ground.direct_lux - self.unshaded_lux * *through;
+        let stopped = self.columns.iter().zip(&shadows.through).map(stopped);
+        let more: Vec3 = stopped.zip(&self.shares).map(|(lux, share)| lux * *share).sum();
+        let diffuse_lux = self.ground.diffuse_lux + more * self.source.z.max(0.0);
+        Level { direct_lux: self.unshaded_lux, diffuse_lux: diffuse_lux.max(0.5 * self.ground.diffuse_lux) }
+    }
+
+    /// The ground, if it is in sight. Without shadows, the source's light is what the layers let through of it on the whole.
+    pub fn ground(
+        &self,
+        eye: &Eye,
+        shadows: Option<&ShadowPlan>,
+        flashes: &[Flash],
+        notes: &mut Vec<PassNote>,
+    ) -> Option<Ground> {
         notes.push(PassNote { pass: "ground", kept: true, why: "the ground is below the eye".into() });
+        let light = shadows.map_or(self.ground, |shadows| self.shaded(shadows));
         let (near, chart) = eye.charts(DQuat::IDENTITY, super::layers::extent_m(eye, 0.0), 1.0);
         let mut flash = [Flash::default(); FLASHES];
         flash[..flashes.len()].copy_from_slice(flashes);
         Some(Ground {
-            light_lux: self.ground.direct_lux.into(),
+            light_lux: light.direct_lux.into(),
             flashes: flashes.len() as u32,
             light_direction: self.source.into(),
             city_luminance: 6.0 * self.night,
-            sky_lux: self.ground.diffuse_lux.into(),
+            sky_lux: light.diffuse_lux.into(),
             charts: near.len() as u32,
             chart,
             flash,
@@ -248,4 +278,4 @@ fn quantised_direction(direction: Vec3) -> Vec3 {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -8,6 +8,7 @@ mod eye;
 mod illuminance;
 mod layers;
 mod regions;
+mod shadow;
 
 use crate::clouds::CloudKind;
 use crate::passes::common::Camera;
@@ -18,6 +19,8 @@ use crate::passes::light::Light;
 use crate::passes::sky::Sky;
 use crate::passes::sky::table::TableParams;
 use crate::world::snapshot::{DeckForm, Snapshot, ViewState};
+
+pub use shadow::{LayerShadow, ShadowPlan};
 
 /// What one frame of one view needs: the passes' parameters, and why each pass is there or not.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,6 +37,8 @@ pub struct FramePlan {
     pub table: TableParams,
     /// The ground, unless it is out of sight.
     pub ground: Option<Ground>,
+    /// Shadows of single clouds on it, unless there are none to be seen.
+    pub shadow: Option<ShadowPlan>,
     /// Pixels of the picture each way to one of the deck, which is drawn apart and laid over what is behind.
     pub deck_scale: u32,
     /// How a GPU draws the deck: never [`DeckForm::Auto`].
@@ -102,20 +107,23 @@ pub fn plan(snapshot: &Snapshot, view: &ViewState, output: Output) -> FramePlan 
     let light = illuminance::Illuminance::new(snapshot, &eye, view, &regions);
     let flashes = layers::flashes(snapshot, &eye, &mut notes);
     let layers = layers::in_sight(snapshot, &eye, &light, &regions, &flashes, &mut notes);
-    let ground = light.ground(&eye, &flashes, &mut notes);
+    let deck_scale = deck_scale(snapshot.quality.deck_scale, eye.height_m as f32, &layers, &mut notes);
+    let camera = light.camera(&eye, view);
+    let shadow = shadow::cast(&camera, &light.between_clouds(), &layers, deck_scale, &mut notes);
+    let ground = light.ground(&eye, shadow.as_ref(), &flashes, &mut notes);
     notes.push(PassNote { pass: "sky", kept: true, why: "the sky is behind everything".into() });
     let tonemap = output == Output::Srgb8;
     let why = if tonemap { "the picture is for a screen" } else { "linear luminance was asked for" };
     notes.push(PassNote { pass: "tonemap", kept: tonemap, why: why.into() });
-    let deck_scale = deck_scale(snapshot.quality.deck_scale, eye.height_m as f32, &layers, &mut notes);
     let deck_form = deck_form(snapshot.quality.deck_form, &layers, &mut notes);
     FramePlan {
         size_px: view.size_px,
         output,
-        camera: light.camera(&eye, view),
+        camera,
         sky: light.sky(&eye),
         table: light.table,
         ground,
+        shadow,
         deck_scale,
         deck_form,
         layers,

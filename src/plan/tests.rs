@@ -43,6 +43,8 @@ fn every_number_of_an_extreme_plan_is_finite() {
             finite(&scene, &[light.direction.to_array(), light.illuminance_lux.to_array()]);
         }
         plan.ground.iter().for_each(|ground| finite(&scene, ground));
+        let casters = plan.shadow.iter().flat_map(|shadow| &shadow.casters);
+        casters.for_each(|caster| finite(&scene, &caster.shadow));
         for layer in &plan.layers {
             finite(&scene, &layer.layer);
             layer.light.iter().for_each(|light| finite(&scene, light));
@@ -189,6 +191,9 @@ fn what_a_scene_does_not_need_is_left_out() {
     let mut overcast_night = sun(noon.clone(), -40.0);
     overcast_night.weather.layers = vec![layer(CloudKind::Stratus, 400.0, 600.0)];
     overcast_night.weather.layers[0].coverage = 1.0;
+    // The moon opposite the sun makes shadows.
+    let mut moonless = overcast_night.clone();
+    moonless.sky.moon_shines = false;
     let mut stormy = noon.clone();
     stormy.flashes.push(flash(place(47.05, 8.0, 3_000.0)));
     let mut dark_flash = noon.clone();
@@ -205,16 +210,25 @@ fn what_a_scene_does_not_need_is_left_out() {
     two.weather.layers[0].density = 0.0;
 
     let always = [("ground", true), ("sky", true), ("tonemap", true)];
-    let cases: [(&str, Snapshot, Passes); 8] = [
-        ("clear day", clear_day(), &[("flash", false), ("deck", false)]),
-        ("overcast night", overcast_night, &[("flash", false), ("deck", true)]),
-        ("flash", stormy, &[("flash", true), ("deck", true)]),
-        ("a flash without light", dark_flash, &[("flash", false), ("deck", true)]),
-        ("region out of sight", out_of_sight, &[("region", false), ("flash", false), ("deck", true)]),
-        ("region in sight", near, &[("region", true), ("flash", false), ("deck", true), ("deck", true)]),
-        ("no cloud", no_cloud, &[("flash", false), ("deck", false), ("deck", false)]),
-        ("one layer of two", two, &[("flash", false), ("deck", false), ("deck", true)]),
+    let mut looking_up = noon.clone();
+    looking_up.ownship.attitude.pitch_rad = 60f64.to_radians();
+    let cases: [(&str, Snapshot, Passes); 10] = [
+        ("clear day", clear_day(), &[("flash", false), ("deck", false), ("shadow", false)]),
+        ("overcast night", overcast_night, &[("flash", false), ("deck", true), ("shadow", true)]),
+        ("moonless night", moonless, &[("flash", false), ("deck", true), ("shadow", false)]),
+        ("flash", stormy, &[("flash", true), ("deck", true), ("shadow", true)]),
+        ("a flash without light", dark_flash, &[("flash", false), ("deck", true), ("shadow", true)]),
+        ("region out of sight", out_of_sight, &[("region", false), ("flash", false), ("deck", true), ("shadow", true)]),
+        (
+            "region in sight",
+            near,
+            &[("region", true), ("flash", false), ("deck", true), ("deck", true), ("shadow", true)],
+        ),
+        ("no cloud", no_cloud, &[("flash", false), ("deck", false), ("deck", false), ("shadow", false)]),
+        ("one layer of two", two, &[("flash", false), ("deck", false), ("deck", true), ("shadow", true)]),
+        ("no ground in sight", looking_up, &[("flash", false), ("deck", true), ("shadow", false)]),
     ];
+
     for (name, snapshot, expected) in cases {
         let plan = plan_of(&snapshot);
         let found: Vec<(&str, bool)> = plan.notes.iter().map(|note| (note.pass, note.kept)).collect();
@@ -224,6 +238,8 @@ fn what_a_scene_does_not_need_is_left_out() {
         // What the notes say is what the executors get.
         let kept = |pass: &str| found.iter().filter(|note| **note == (pass, true)).count();
         assert_eq!(plan.layers.len(), kept("deck"), "{name}");
+        let casters = plan.shadow.as_ref().map_or(0, |shadow| shadow.casters.len());
+        assert_eq!(casters, kept("shadow") * kept("deck"), "{name}");
         assert!(plan.layers.iter().all(|l| l.layer.flashes as usize == kept("flash")), "{name}");
         assert!(plan.layers.iter().all(|l| (l.layer.regions > 0) == (kept("region") > 0)), "{name}");
         assert!(plan.notes.iter().all(|note| !note.why.is_empty()), "{name}");

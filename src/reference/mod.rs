@@ -1,17 +1,23 @@
 //! The reference executor: plays a plan with the twins, rows over all cores. Needs no graphics adapter.
 
+mod images;
+
 use crate::clouds::density::DensityVolume;
 use crate::clouds::{CloudKind, detail, modulation};
 use crate::frame::Pixels;
 use crate::passes::deck::field::{Textures, column_bounds};
-use crate::passes::deck::twin::{OPAQUE, Prepared, walk};
+use crate::passes::deck::twin::{OPAQUE, Prepared};
 use crate::passes::light::Light;
+use crate::passes::shadow::Columns;
+use crate::passes::shadow::table::{self, Table};
+use crate::passes::shadow::twin::Caster;
 use crate::passes::sky::table::{TableParams, Texel, build};
 use crate::passes::sky::twin as sky;
 use crate::passes::{ground, light, tonemap};
 use crate::plan::executor::{Executor, Fault, Finished};
-use crate::plan::{FramePlan, Output};
+use crate::plan::{FramePlan, LayerShadow, Output};
 use glam::{Vec3, Vec4};
+use images::Image;
 use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -29,6 +35,7 @@ pub struct ReferenceExecutor {
     table: Option<(TableParams, Arc<Vec<Texel>>)>,
     volumes: VecDeque<((CloudKind, Light), Arc<Volume>)>,
     bounds: VecDeque<(CloudKind, Arc<Vec<u8>>)>,
+    shadows: VecDeque<((CloudKind, Columns), Arc<Table>)>,
 }
 
 impl ReferenceExecutor {
@@ -64,7 +71,8 @@ impl ReferenceExecutor {
                 Prepared::new(&layer.layer, layer.slices, textures)
             })
             .collect();
-        picture(plan, &table, &layers)
+        let shadows = self.shadows(plan);
+        picture(plan, &table, &layers, &casters(plan, &shadows))
     }
 
     fn table(&mut self, params: &TableParams) -> Arc<Vec<Texel>> {
@@ -80,6 +88,21 @@ impl ReferenceExecutor {
 
     fn volume(&mut self, kind: CloudKind, params: &Light, most: usize) -> Arc<Volume> {
         keep(&mut self.volumes, (kind, *params), most, || light::twin::light(params, &DensityVolume::of(kind).shape))
+    }
+
+    /// The tables of each layer that casts a shadow.
+    fn shadows(&mut self, plan: &FramePlan) -> Vec<Vec<Arc<Table>>> {
+        let casters = plan.shadow.as_ref().map_or(&[][..], |shadow| &shadow.casters);
+        let most = casters.iter().map(|caster| caster.columns.len()).sum::<usize>().max(VOLUMES_KEPT);
+        let of = |caster: &LayerShadow| {
+            let kind = plan.layers[caster.layer].kind;
+            let mut table = |columns: &Columns| {
+                let make = || table::build(columns, &DensityVolume::of(kind).shape);
+                keep(&mut self.shadows, (kind, *columns), most, make)
+            };
+            caster.columns.iter().map(&mut table).collect()
+        };
+        casters.iter().map(of).collect()
     }
 
     fn bounds(&mut self, kind: CloudKind) -> Arc<Vec<u8>> {
@@ -99,15 +122,17 @@ fn keep<K: PartialEq, V>(kept: &mut VecDeque<(K, Arc<V>)>, key: K, most: usize, 
     value
 }
 
-fn picture(plan: &FramePlan, table: &[Texel], layers: &[Prepared]) -> Pixels {
+fn picture(plan: &FramePlan, table: &[Texel], layers: &[Prepared], casters: &[Caster]) -> Pixels {
     let [width, height] = plan.size_px.map(|n| n as usize);
-    let deck = DeckImage::new(plan, table, layers);
+    let deck = images::deck(plan, table, layers);
+    let shadow = images::shadow(plan, casters, &deck);
+    let behind = Scene { plan, table, deck: &deck, shadow: &shadow };
     match plan.output {
         Output::Srgb8 => {
             let mut bytes = vec![0u8; width * height * 4];
             bytes.par_chunks_mut(width * 4).enumerate().for_each(|(y, row)| {
                 for (x, pixel) in row.chunks_exact_mut(4).enumerate() {
-                    let exposed = luminance(plan, table, &deck, x, y) * plan.camera.exposure;
+                    let exposed = behind.luminance(x, y) * plan.camera.exposure;
                     pixel.copy_from_slice(&tonemap::twin::tonemap(exposed, x as u32, y as u32));
                 }
             });
@@ -117,7 +142,7 @@ fn picture(plan: &FramePlan, table: &[Texel], layers: &[Prepared]) -> Pixels {
             let mut values = vec![0f32; width * height * 3];
             values.par_chunks_mut(width * 3).enumerate().for_each(|(y, row)| {
                 for (x, pixel) in row.chunks_exact_mut(3).enumerate() {
-                    pixel.copy_from_slice(&luminance(plan, table, &deck, x, y).to_array());
+                    pixel.copy_from_slice(&behind.luminance(x, y).to_array());
                 }
             });
             Pixels::LinearRgb(values)
@@ -125,68 +150,48 @@ fn picture(plan: &FramePlan, table: &[Texel], layers: &[Prepared]) -> Pixels {
     }
 }
 
-/// The deck by itself, at its own resolution: luminance and what it hides.
-struct DeckImage {
-    size: [usize; 2],
-    texels: Vec<Vec4>,
+/// What a pixel is made from.
+struct Scene<'a> {
+    plan: &'a FramePlan,
+    table: &'a [Texel],
+    deck: &'a Image<Vec4>,
+    shadow: &'a Image<f32>,
 }
 
-impl DeckImage {
-    fn new(plan: &FramePlan, table: &[Texel], layers: &[Prepared]) -> Self {
-        if layers.is_empty() {
-            return Self { size: [1, 1], texels: vec![Vec4::ZERO] };
+impl Scene<'_> {
+    /// Luminance of one pixel, cd/m2 per colour.
+    fn luminance(&self, x: usize, y: usize) -> Vec3 {
+        let Self { plan, table, deck, shadow } = *self;
+        let at = [x as f32 + 0.5, y as f32 + 0.5];
+        let [u, v] = [at[0] / plan.camera.width_px, at[1] / plan.camera.height_px];
+        let gathered = deck.at(u, v);
+        let shows = 1.0 - gathered.w;
+        if shows < OPAQUE {
+            return gathered.truncate();
         }
-        let camera = plan.camera.coarser(plan.deck_scale);
-        let legs = plan.legs();
-        let size = [camera.width_px as usize, camera.height_px as usize];
-        let mut texels = vec![Vec4::ZERO; size[0] * size[1]];
-        texels.par_chunks_mut(size[0]).enumerate().for_each(|(y, row)| {
-            for (x, texel) in row.iter_mut().enumerate() {
-                let direction = camera.ray(x as f32 + 0.5, y as f32 + 0.5);
-                let end_m = ground::twin::range(&camera, direction);
-                let (air, passed) = sky::air(&plan.sky, table, direction);
-                // Luminance that an endless column of this air would have: what haze in front of things tends to.
-                let endless = air / (1.0 - passed).max(0.02);
-                let gathered = walk(&camera, layers, &legs, direction, end_m, endless);
-                *texel = gathered.luminance.extend(1.0 - gathered.transmittance);
+        let direction = plan.camera.ray(at[0], at[1]);
+        let (air, passed) = sky::air(&plan.sky, table, direction);
+        let end_m = ground::twin::range(&plan.camera, direction);
+        let behind = match &plan.ground {
+            Some(g) if end_m.is_finite() => {
+                let lit = shadow.at(u, v);
+                air + passed * ground::twin::luminance(g, modulation::map(), &plan.camera, direction, end_m, lit)
             }
-        });
-        Self { size, texels }
-    }
-
-    /// Bilinear, clamped; coordinates in the whole picture, 0 to 1.
-    fn at(&self, u: f32, v: f32) -> Vec4 {
-        let [width, height] = self.size;
-        let (x, y) = (u * width as f32 - 0.5, v * height as f32 - 0.5);
-        let (x0, y0) = (x.floor(), y.floor());
-        let texel = |dx: i32, dy: i32| {
-            let column = (x0 as i32 + dx).clamp(0, width as i32 - 1) as usize;
-            let row = (y0 as i32 + dy).clamp(0, height as i32 - 1) as usize;
-            self.texels[column + row * width]
+            _ => air + sky::discs(&plan.sky, direction),
         };
-        let low = texel(0, 0).lerp(texel(1, 0), x - x0);
-        low.lerp(texel(0, 1).lerp(texel(1, 1), x - x0), y - y0)
+        gathered.truncate() + behind * shows
     }
 }
 
-/// Luminance of one pixel, cd/m2 per colour.
-fn luminance(plan: &FramePlan, table: &[Texel], deck: &DeckImage, x: usize, y: usize) -> Vec3 {
-    let at = [x as f32 + 0.5, y as f32 + 0.5];
-    let gathered = deck.at(at[0] / plan.camera.width_px, at[1] / plan.camera.height_px);
-    let shows = 1.0 - gathered.w;
-    if shows < OPAQUE {
-        return gathered.truncate();
-    }
-    let direction = plan.camera.ray(at[0], at[1]);
-    let (air, passed) = sky::air(&plan.sky, table, direction);
-    let end_m = ground::twin::range(&plan.camera, direction);
-    let behind = match &plan.ground {
-        Some(g) if end_m.is_finite() => {
-            air + passed * ground::twin::luminance(g, modulation::map(), &plan.camera, direction, end_m, 1.0)
-        }
-        _ => air + sky::discs(&plan.sky, direction),
+fn casters<'a>(plan: &'a FramePlan, tables: &'a [Vec<Arc<Table>>]) -> Vec<Caster<'a>> {
+    let casters = plan.shadow.as_ref().map_or(&[][..], |shadow| &shadow.casters);
+    let caster = |(caster, tables): (&'a LayerShadow, &'a Vec<Arc<Table>>)| Caster {
+        layer: &plan.layers[caster.layer].layer,
+        shadow: caster.shadow,
+        tables: tables.iter().map(Arc::as_ref).collect(),
+        map: modulation::map(),
     };
-    gathered.truncate() + behind * shows
+    casters.iter().zip(tables).map(caster).collect()
 }
 
 impl Executor for ReferenceExecutor {

@@ -66,7 +66,7 @@ fn mean_opacity(plan: &FramePlan) -> f64 {
             Prepared::new(&layer.layer, layer.slices, textures)
         })
         .collect();
-    let texels = DeckImage::new(plan, &table, &layers).texels;
+    let texels = images::deck(plan, &table, &layers).texels;
     texels.iter().map(|texel| f64::from(texel.w)).sum::<f64>() / texels.len() as f64
 }
 

@@ -115,7 +115,7 @@ pub fn phase(cos: f32) -> f32 {
 }
 
 /// How much the outlines of the regions raise theta at a stereographic coordinate: 0 inside, 1 (clear) outside.
-fn region_shift(layer: &Layer, z: Vec2) -> f32 {
+pub fn region_shift(layer: &Layer, z: Vec2) -> f32 {
     let mut there = 1.0;
     for (i, region) in layer.outline[..layer.regions as usize].iter().enumerate() {
         let own = layer.region == i as u32 + 1;

@@ -12,11 +12,14 @@ struct Ground {
 }
 
 @group(1) @binding(0) var<storage, read> ground: Ground;
+// Share of the light that reaches the ground between the clouds.
+@group(1) @binding(1) var shadows: texture_2d<f32>;
 
 // What a scene does not need is not in its pipeline.
 override SEVERAL_CHARTS: bool = true;
 override FLASHES: bool = true;
 override CITIES: bool = true;
+override SHADOWS: bool = true;
 
 // Where a point lies in the map by each chart, and the charts' weights. No arrays: indexed ones live in memory.
 struct Places {
@@ -129,7 +132,11 @@ fn ground_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
     // No return stands before a loop: lavapipe lets it run to its end for pixels that have returned.
     var seen = vec3<f32>(0.0);
     if camera.eye_m > 0.0 && t < FAR && shows >= OPAQUE {
-        seen = ground_luminance(direction, t, 1.0) * (air_along(direction).a * shows);
+        var passed = 1.0;
+        if SHADOWS {
+            passed = textureSampleLevel(shadows, clamped, at.xy / vec2<f32>(camera.width_px, camera.height_px), 0.0).r;
+        }
+        seen = ground_luminance(direction, t, passed) * (air_along(direction).a * shows);
     }
     return vec4<f32>(min(seen * camera.exposure, vec3<f32>(BRIGHTEST)), 0.0);
 }

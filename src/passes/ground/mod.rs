@@ -1,8 +1,8 @@
 //! The ground: land and sea under sun, sky and clouds.
 //!
 //! Land and sea come from the large map at continental scale until real coastlines are there; fields and forests vary
-//! the land's albedo from near to far. The source's light is what the layers let through on the
-//! whole; single clouds cast no shadow on the ground yet.
+//! the land's albedo from near to far. The source's light is what reaches the ground between the clouds, times what the
+//! shadows leave of it (see [`super::shadow`]); where these are left out, what the layers let through on the whole.
 
 pub mod twin;
 

@@ -9,7 +9,7 @@ use crate::plan::{Output, plan};
 use crate::world::snapshot::LayerState;
 use glam::DVec3;
 
-fn light(snapshot: &Snapshot) -> Illuminance {
+pub fn light(snapshot: &Snapshot) -> Illuminance {
     let eye = Eye::new(&snapshot.ownship, &snapshot.views[0]);
     let regions = crate::plan::regions::near(snapshot, &eye, &mut Vec::new());
     Illuminance::new(snapshot, &eye, &snapshot.views[0], &regions)

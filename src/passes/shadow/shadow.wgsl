@@ -1,0 +1,99 @@
+// What one layer lets through of the light to the ground that each pixel sees. Stands behind field.wgsl. Twin: twin.rs.
+
+struct Shadow {
+    height_m: f32,
+    theta_low: f32,
+    inverse_step: f32,
+    pad0: f32,
+}
+
+const LAYERS: f32 = 8.0;
+const ENTRIES: f32 = 24.0;
+const COARSEST: f32 = 8.0;
+const TEXEL_M: f32 = 62.5;
+const DISC_RAD: f32 = 0.0093;
+
+@group(2) @binding(0) var<storage, read> shadow: Shadow;
+@group(2) @binding(1) var columns0: texture_2d_array<f32>;
+@group(2) @binding(2) var columns1: texture_2d_array<f32>;
+@group(2) @binding(3) var columns2: texture_2d_array<f32>;
+// Repeating, linear between texels and between levels.
+@group(2) @binding(4) var levels: sampler;
+
+fn four_thetas(chart: u32, tile: vec2<f32>, part: u32, level: f32) -> vec4<f32> {
+    if SEVERAL_CHARTS && chart == 1u {
+        return textureSampleLevel(columns1, levels, tile, part, level);
+    }
+    if SEVERAL_CHARTS && chart == 2u {
+        return textureSampleLevel(columns2, levels, tile, part, level);
+    }
+    return textureSampleLevel(columns0, levels, tile, part, level);
+}
+
+// The transmittance between the two entries around the theta that rules at a place of a chart.
+fn column(chart: u32, z: vec2<f32>, shift: f32, level: f32) -> f32 {
+    let moved = displacement(layer.chart[chart].a, layer.chart[chart].c, z);
+    let tile = (layer.chart[chart].tile_origin_m + moved) * (1.0 / TILE_M);
+    let place = layer.chart[chart].map_origin + map_coordinates(moved);
+    let theta = layer.theta + layer.patchiness * textureSampleLevel(map, repeated, place, 0.0).r + shift;
+    let entry = clamp((theta - shadow.theta_low) * shadow.inverse_step, 0.0, ENTRIES);
+    let part = min(floor(entry * (1.0 / 3.0)), LAYERS - 1.0);
+    let near = max(1.0 - abs(entry - 3.0 * part - vec4<f32>(0.0, 1.0, 2.0, 3.0)), vec4<f32>(0.0));
+    return dot(four_thetas(chart, tile, u32(part), level), near);
+}
+
+fn through(direction: vec3<f32>, t: f32) -> f32 {
+    let p = direction * t + vec3<f32>(0.0, 0.0, camera.eye_m);
+    let from_centre = p + vec3<f32>(0.0, 0.0, camera.earth_m);
+    let sine = dot(from_centre, layer.light_direction) / camera.earth_m;
+    if sine <= 0.0 {
+        return 1.0;
+    }
+    let pixel = 2.0 * length(camera.up) / camera.height_px;
+    let footprint = t * pixel / sqrt(max(-dot(direction, from_centre) / camera.earth_m, 1e-3));
+    // Along the light to the layer's middle.
+    let b = sine * camera.earth_m;
+    let c = shadow.height_m * (2.0 * camera.earth_m + shadow.height_m);
+    let distance = c / (b + sqrt(b * b + c));
+    let q = p + layer.light_direction * distance;
+    let radius = camera.earth_m + shadow.height_m;
+    let z = stereographic(q, radius);
+    var shift = 0.0;
+    if REGIONS {
+        shift = region_shift(z);
+    }
+    let blur = length(vec2<f32>(distance * DISC_RAD, footprint));
+    let level = min(log2(max(blur * (1.0 / TEXEL_M), 1.0)), COARSEST);
+    if !SEVERAL_CHARTS {
+        return column(0u, z, shift, level);
+    }
+    let up = (q + vec3<f32>(0.0, 0.0, camera.earth_m)) / radius;
+    let best = best_chart(up);
+    var found = 0.0;
+    var sum = 0.0;
+    for (var i = 0u; i < layer.charts; i++) {
+        let weight = chart_lead(i, up, best);
+        if weight > 0.0 {
+            found += weight * column(i, z, shift, level);
+            sum += weight;
+        }
+    }
+    return found / sum;
+}
+
+@vertex
+fn shadow_vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
+    return covering(index);
+}
+
+@fragment
+fn shadow_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+    let direction = ray_of(at.xy);
+    let t = crossings(direction.z, 0.0).x;
+    var passed = 1.0;
+    // Pixels without ground, and ground that the deck hides, need no shadow.
+    if t < FAR && 1.0 - deck_over(at.xy).a >= OPAQUE {
+        passed = through(direction, t);
+    }
+    return vec4<f32>(passed);
+}
