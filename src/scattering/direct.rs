@@ -71,25 +71,37 @@ impl Direct {
         }
     }
 
-    /// Adds a source of `intensity` W/sr at a position (in the box or outside) in a medium whose extinction is that of
-    /// the transport (scaled). `ground` is its depth below the box, m.
+    /// Adds sources that lie close to each other (or one) in a medium whose extinction is that of the transport (scaled).
+    /// Near cells see each of them, far cells see all in their middle. `ground_depth_m` is the ground's depth below the box.
     pub fn add(
         &mut self,
         medium: &Medium,
-        source_m: Direction,
-        intensity: f64,
+        sources: &[(Direction, f64)],
         (angles, rays, phase): (&Angles, &Rays, Phase),
         ground_depth_m: Option<f64>,
     ) {
-        let near = near_cells(medium, source_m, 2.5);
-        let tilted = near_cells(medium, source_m, 1.5);
-        // What this source adds is bounded by itself, so that sources still add up.
+        let intensity: f64 = sources.iter().map(|s| s.1).sum();
+        if intensity <= 0.0 {
+            return;
+        }
+        let middle: Direction = std::array::from_fn(|k| sources.iter().map(|(p, i)| p[k] * i).sum::<f64>() / intensity);
+        let mut near = near_cells(medium, middle, 2.5);
+        let mut tilted = near_cells(medium, middle, 1.5);
+        for (position, _) in sources {
+            near = around(near, near_cells(medium, *position, 2.5));
+            tilted = around(tilted, near_cells(medium, *position, 1.5));
+        }
+        // What these sources add is bounded by themselves, so that sources still add up.
         let before = self.tilted_cells(medium, tilted, angles.moments);
-        let far = self.add_near(medium, source_m, intensity, angles, rays, near);
+        let mut far = Some(0.0);
+        for (position, intensity) in sources {
+            let collided = self.add_near(medium, *position, *intensity, angles, rays, near);
+            far = far.zip(collided).map(|(a, b)| a + b);
+        }
         self.bound_tilts(medium, angles.moments, &before);
-        self.add_far(medium, (source_m, intensity), far, angles, phase, near);
+        self.add_far(medium, (middle, intensity), far, angles, phase, near);
         if let Some(depth_m) = ground_depth_m {
-            self.add_ground(medium, source_m, intensity, depth_m);
+            self.add_ground(medium, middle, intensity, depth_m);
         }
     }
 
@@ -190,7 +202,7 @@ impl Direct {
             hits += usize::from(outside > 0.0);
         }
         // Few rays of a far source hit the box: they tell nothing that the cones do not.
-        (hits >= 200).then_some(collided)
+        (hits * 8 >= rays.directions.len().min(1600)).then_some(collided)
     }
 
     /// One cone per far cell, all together scaled to the power that the rays lose there.
@@ -261,6 +273,11 @@ impl Direct {
     }
 }
 
+/// The smallest block around two.
+fn around(a: [[usize; 2]; 3], b: [[usize; 2]; 3]) -> [[usize; 2]; 3] {
+    std::array::from_fn(|k| [a[k][0].min(b[k][0]), a[k][1].max(b[k][1])])
+}
+
 /// Direction from the source to a far cell and the mean fluence in it. A cell that swallows much of the light on its way
 /// through is taken in eighths.
 fn far_fluence(medium: &Medium, source_m: Direction, cell: usize, intensity: f64) -> (Direction, f64) {
@@ -322,7 +339,7 @@ mod tests {
         let phase = Phase::HenyeyGreenstein(0.5);
         let rays = Rays::new(2048, &angles, phase);
         let mut direct = Direct::dark(medium.len(), &angles, medium.cells[0] * medium.cells[1]);
-        direct.add(medium, source, 1.0, (&angles, &rays, phase), Some(0.5));
+        direct.add(medium, &[(source, 1.0)], (&angles, &rays, phase), Some(0.5));
         direct
     }
 

@@ -52,33 +52,15 @@ impl Lanes {
     }
 }
 
-/// Runs one body compiled for the widest instruction set that the processor has. The body must be `#[inline(always)]`.
+/// A function whose body is compiled for several instruction sets and chosen at run time. The body must be `#[inline(always)]`.
 macro_rules! dispatch {
     ($(#[$note:meta])* fn $name:ident($($arg:ident: $kind:ty),* $(,)?) => $body:path) => {
         $(#[$note])*
         pub fn $name($($arg: $kind),*) {
-            #[cfg(target_arch = "x86_64")]
-            {
-                #[target_feature(enable = "avx512f")]
-                fn wide($($arg: $kind),*) {
-                    $body($($arg),*);
-                }
-                #[target_feature(enable = "avx2")]
-                fn middle($($arg: $kind),*) {
-                    $body($($arg),*);
-                }
-                if is_x86_feature_detected!("avx512f") {
-                    #[expect(unsafe_code, reason = "the line above has asked the processor for this instruction set")]
-                    // SAFETY: the function is safe but for the instructions that it needs, and these are there.
-                    return unsafe { wide($($arg),*) };
-                }
-                if is_x86_feature_detected!("avx2") {
-                    #[expect(unsafe_code, reason = "the line above has asked the processor for this instruction set")]
-                    // SAFETY: as above.
-                    return unsafe { middle($($arg),*) };
-                }
-            }
-            $body($($arg),*);
+            crate::numeric::vector::vectorised(
+                #[inline(always)]
+                || $body($($arg),*),
+            );
         }
     };
 }

@@ -6,11 +6,12 @@ use super::lanes::{Lanes, dispatch};
 use super::medium::Medium;
 use super::path::{Path, Tap, Weights, plane_axes, weights};
 use super::surface::{Surface, displace};
+use std::sync::Arc;
 
 /// Transport through one medium: everything that does not depend on the source.
-pub struct Operator<'a> {
+pub struct Operator {
     /// Directions and moments.
-    pub angles: &'a Angles,
+    pub angles: Arc<Angles>,
     /// Cells east, north, up.
     pub cells: [usize; 3],
     /// Light of every direction that falls in through the open faces (0; 1 in a white furnace).
@@ -64,9 +65,9 @@ impl Work {
     }
 }
 
-impl<'a> Operator<'a> {
+impl Operator {
     /// Prepares a medium whose extinction is scaled already; `scattering[l]` is albedo times the l-th moment.
-    pub fn new(medium: &Medium, angles: &'a Angles, scattering: &[f64], ground: Option<Surface>) -> Self {
+    pub fn new(medium: &Medium, angles: &Arc<Angles>, scattering: &[f64], ground: Option<Surface>) -> Self {
         let paths: Vec<Path> = angles.set.directions.iter().map(|d| Path::new(*d, medium.spacing_m)).collect();
         let mut order: Vec<usize> = (0..paths.len()).collect();
         let rise = |m: &usize| angles.set.directions[*m][2];
@@ -74,7 +75,7 @@ impl<'a> Operator<'a> {
         let area = medium.cells[0] * medium.cells[1];
         let half = 0.5 * medium.spacing_m[2] as f32;
         Self {
-            angles,
+            angles: angles.clone(),
             cells: medium.cells,
             spacing_m: medium.spacing_m,
             incoming: 0.0,
@@ -402,7 +403,7 @@ mod tests {
         for (rule, flat) in [(Rule::Lebedev26, 1.0), (Rule::Lebedev26, 0.25), (Rule::Lebedev50, 1.0)] {
             let cells = [9, 9, 9];
             let medium = Medium::new(cells, [1.0, 1.0, flat], vec![0.2; 729], false).expect("legal");
-            let angles = Angles::new(rule);
+            let angles = Arc::new(Angles::new(rule));
             let mut operator = Operator::new(&medium, &angles, &vec![0.0; rule.order() + 1], None);
             operator.incoming = 1.0;
             let mut work = Work::new(&operator);
@@ -431,7 +432,7 @@ mod tests {
             for flat in [1.0, 0.125] {
                 let values: Vec<f32> = (0..7 * 5 * 4).map(|i| [0.0, 0.1, 1.0, 20.0][i * 7 % 4]).collect();
                 let medium = Medium::new([7, 5, 4], [1.0, 1.0, flat], values, false).expect("legal");
-                let angles = Angles::new(rule);
+                let angles = Arc::new(Angles::new(rule));
                 let mut scattering = vec![0.7; rule.order() + 1];
                 scattering[0] = 1.0;
                 let mut operator = Operator::new(&medium, &angles, &scattering, None);

@@ -18,6 +18,7 @@ use super::phase::Phase;
 use super::reconstruct;
 use super::surface::Surface;
 use crate::numeric::sphere::{Direction, Rule};
+use std::sync::Arc;
 
 /// How the forward peak of the phase function is treated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -158,11 +159,23 @@ pub enum SolveError {
 pub struct Solver {
     medium: Medium,
     params: Params,
-    angles: Angles,
-    rays: Rays,
+    operator: Operator,
+    shared: Arc<Shared>,
+}
+
+/// What solvers of different media with the same parameters have in common.
+struct Shared {
+    angles: Arc<Angles>,
+    /// Rays of a single source, and of each of many.
+    rays: [Rays; 2],
     matrix: Vec<f32>,
     scattering: Vec<f64>,
+    /// Factor on the extinction.
+    factor: f32,
 }
+
+/// Sources of a lane from which on each gets fewer rays.
+const MANY: usize = 8;
 
 impl Solver {
     /// Checks the parameters and computes what does not depend on sources. The light is open whether or not the medium
@@ -172,43 +185,53 @@ impl Solver {
     /// [`SolveError::Parameter`].
     pub fn new(medium: &Medium, params: Params) -> Result<Self, SolveError> {
         check(&params)?;
-        let angles = Angles::new(params.rule);
+        let angles = Arc::new(Angles::new(params.rule));
         let order = params.rule.order();
-        let mut scaled = medium.clone();
-        let mut moments = params.phase.moments(order);
-        let mut albedo = params.albedo;
-        if params.treatment == Treatment::DeltaM {
-            let delta = params.phase.delta_m(order);
-            let factor = delta.extinction_factor(params.albedo) as f32;
-            scaled.extinction_per_m.iter_mut().for_each(|s| *s *= factor);
-            albedo = delta.albedo(params.albedo);
-            moments = delta.moments;
-        }
-        Ok(Self {
-            rays: Rays::new(params.rays, &angles, params.phase),
+        let (moments, albedo, factor) = match params.treatment {
+            Treatment::DeltaM => {
+                let delta = params.phase.delta_m(order);
+                let (albedo, factor) = (delta.albedo(params.albedo), delta.extinction_factor(params.albedo));
+                (delta.moments, albedo, factor)
+            }
+            Treatment::Truncated => (params.phase.moments(order), params.albedo, 1.0),
+        };
+        let few = (params.rays / 8).max(64);
+        let shared = Arc::new(Shared {
+            rays: [params.rays, few].map(|n| Rays::new(n, &angles, params.phase)),
             matrix: reconstruct::matrix(&angles, params.phase),
             scattering: moments.iter().map(|m| albedo * m).collect(),
-            medium: scaled,
-            params,
+            factor: factor as f32,
             angles,
-        })
+        });
+        Ok(Self::with(medium, params, shared))
+    }
+
+    /// The same solver for another medium.
+    #[must_use]
+    pub fn at(&self, medium: &Medium) -> Self {
+        Self::with(medium, self.params, self.shared.clone())
+    }
+
+    fn with(medium: &Medium, params: Params, shared: Arc<Shared>) -> Self {
+        let mut medium = medium.clone();
+        medium.extinction_per_m.iter_mut().for_each(|s| *s *= shared.factor);
+        let ground = params.ground.map(|g| Surface {
+            albedo: g.albedo,
+            depth_m: g.depth_m,
+            spacing_m: [medium.spacing_m[0], medium.spacing_m[1]],
+        });
+        let operator = Operator::new(&medium, &shared.angles, &shared.scattering, ground);
+        Self { medium, params, operator, shared }
     }
 
     /// Directions of the results.
     pub fn angles(&self) -> &Angles {
-        &self.angles
+        &self.shared.angles
     }
 
-    /// The same solver for another medium of the same shape of cells.
-    pub fn with_medium(&mut self, medium: &Medium) {
-        let factor = match self.params.treatment {
-            Treatment::DeltaM => {
-                self.params.phase.delta_m(self.params.rule.order()).extinction_factor(self.params.albedo)
-            }
-            Treatment::Truncated => 1.0,
-        };
-        self.medium = medium.clone();
-        self.medium.extinction_per_m.iter_mut().for_each(|s| *s *= factor as f32);
+    /// What it was made with.
+    pub fn params(&self) -> &Params {
+        &self.params
     }
 
     /// Light of up to sixteen lanes of sources.
@@ -222,23 +245,35 @@ impl Solver {
         self.scatter(&directs, &power)
     }
 
-    /// Direct light of one lane's points.
+    /// Direct light of one lane's points, each for itself.
     pub fn direct(&self, points: &[PointSource]) -> Direct {
+        self.direct_of_clusters(&points.iter().map(std::slice::from_ref).collect::<Vec<_>>())
+    }
+
+    /// Direct light of clusters of points: far cells see a cluster in its middle.
+    pub fn direct_of_clusters(&self, clusters: &[&[PointSource]]) -> Direct {
         let columns = self.params.ground.map_or(0, |_| self.medium.cells[0] * self.medium.cells[1]);
-        let mut direct = Direct::dark(self.medium.len(), &self.angles, columns);
-        for point in points.iter().filter(|p| p.intensity > 0.0) {
-            let with = (&self.angles, &self.rays, self.params.phase);
-            let depth = self.params.ground.map(|g| g.depth_m);
-            direct.add(&self.medium, point.position_m, point.intensity, with, depth);
+        let mut direct = Direct::dark(self.medium.len(), &self.shared.angles, columns);
+        let many = usize::from(clusters.iter().map(|c| c.len()).sum::<usize>() > MANY);
+        for cluster in clusters {
+            let sources: Vec<_> = cluster.iter().map(|p| (p.position_m, p.intensity)).collect();
+            let with = (&*self.shared.angles, &self.shared.rays[many], self.params.phase);
+            direct.add(&self.medium, &sources, with, self.params.ground.map(|g| g.depth_m));
         }
         direct
     }
 
-    /// Whatever is scattered of given direct light.
-    fn scatter(&self, directs: &[Direct], power: &[f64]) -> Result<(Vec<Light>, Info), SolveError> {
-        let operator = self.operator();
-        let mut work = Work::new(&operator);
-        let size = self.medium.len() * self.angles.moments;
+    /// Whatever is scattered of given direct light, one a lane; `power` is the lanes' intensity in all, W/sr.
+    ///
+    /// # Errors
+    /// [`SolveError::NoConvergence`], [`SolveError::Lanes`].
+    pub fn scatter(&self, directs: &[Direct], power: &[f64]) -> Result<(Vec<Light>, Info), SolveError> {
+        if directs.len() > LANES {
+            return Err(SolveError::Lanes(directs.len()));
+        }
+        let operator = &self.operator;
+        let mut work = Work::new(operator);
+        let size = self.medium.len() * operator.angles.moments;
         let first = interleave(directs.iter().map(|d| &d.moments[..]), size);
         let mut b = vec![Lanes::ZERO; size];
         operator.apply(&first, Some(&operator.first(directs)), &mut work, &mut b);
@@ -268,9 +303,9 @@ impl Solver {
         let x = again;
         let mut all = x.clone();
         add(&mut all, &first);
-        let energy = energies(&operator, &self.medium, &work, (&all, &self.scattering), directs, power);
-        let mut towards = vec![Lanes::ZERO; work.radiance.len()];
-        reconstruct::diffuse(&self.matrix, &work.radiance, self.medium.len(), &mut towards);
+        let energy = energies(operator, &self.medium, &work, (&all, &self.shared.scattering), directs, power);
+        let mut towards = once.1;
+        reconstruct::diffuse(&self.shared.matrix, &work.radiance, self.medium.len(), &mut towards);
         let mut info =
             Info { method: done.method, sweeps: done.applications + 2, residual: done.residual, clamped: 0.0 };
         let mut negative = 0_usize;
@@ -286,6 +321,22 @@ impl Solver {
             .collect();
         info.clamped = negative as f64 / (towards.len() * directs.len().max(1)) as f64;
         Ok((lights, info))
+    }
+
+    /// Light towards every direction (as [`Light::towards`]) from direct light and known moments of the diffuse radiance: one
+    /// pass of light, no iteration.
+    pub fn collect(&self, direct: &Direct, diffuse: &[f32]) -> Vec<f32> {
+        let operator = &self.operator;
+        let mut work = Work::new(operator);
+        let given = interleave([diffuse, &direct.moments[..]].into_iter(), diffuse.len());
+        let mut out = vec![Lanes::ZERO; diffuse.len()];
+        let dark = Direct::dark(self.medium.len(), &self.shared.angles, direct.ground.len());
+        let first = operator.first(&[dark, direct.clone()]);
+        operator.apply(&given, Some(&first), &mut work, &mut out);
+        let radiance: Vec<f32> = work.radiance.iter().map(|r| r.0[0] + r.0[1]).collect();
+        let albedo = self.params.albedo as f32;
+        let diffuse = reconstruct::diffuse_one(&self.shared.matrix, &radiance, self.medium.len());
+        diffuse.iter().zip(&direct.towards).map(|(d, s)| (albedo * (d + s)).max(0.0)).collect()
     }
 
     /// The result of one lane, and how many of its values were negative.
@@ -308,7 +359,7 @@ impl Solver {
                 value.max(0.0)
             })
             .collect();
-        let nk = self.angles.moments;
+        let nk = self.shared.angles.moments;
         let whole = (4.0 * std::f32::consts::PI).sqrt();
         let light = Light {
             towards: total,
@@ -322,21 +373,12 @@ impl Solver {
         (light, negative)
     }
 
-    /// The transport of the scaled medium.
-    pub(super) fn operator(&self) -> Operator<'_> {
-        let ground = self.params.ground.map(|g| Surface {
-            albedo: g.albedo,
-            depth_m: g.depth_m,
-            spacing_m: [self.medium.spacing_m[0], self.medium.spacing_m[1]],
-        });
-        Operator::new(&self.medium, &self.angles, &self.scattering, ground)
-    }
-
     /// Source iteration where light soon leaves or is absorbed, BiCGStab elsewhere.
     fn method(&self) -> Method {
         self.params.method.unwrap_or_else(|| {
-            let transport = self.medium.greatest_cell_depth() * (1.0 - self.scattering[1].max(0.0));
-            if transport < 0.6 || self.scattering[0] < 0.7 { Method::SourceIteration } else { Method::BiCgStab }
+            let transport =
+                self.medium.greatest_cell_depth() * (1.0 - self.shared.scattering.get(1).map_or(0.0, |s| s.max(0.0)));
+            if transport < 0.6 || self.shared.scattering[0] < 0.7 { Method::SourceIteration } else { Method::BiCgStab }
         })
     }
 }
@@ -357,7 +399,7 @@ fn interleave<'a>(lists: impl Iterator<Item = &'a [f32]>, size: usize) -> Vec<La
     out
 }
 
-fn check(params: &Params) -> Result<(), SolveError> {
+pub(super) fn check(params: &Params) -> Result<(), SolveError> {
     let refuse = |field, value, limit| Err(SolveError::Parameter { field, value, limit });
     if let Some(limit) = params.phase.fault() {
         return refuse("phase", params.phase.asymmetry(), limit);
@@ -385,7 +427,7 @@ fn check(params: &Params) -> Result<(), SolveError> {
     Ok(())
 }
 
-fn check_sources(lanes: &[&[PointSource]]) -> Result<(), SolveError> {
+pub(super) fn check_sources(lanes: &[&[PointSource]]) -> Result<(), SolveError> {
     if lanes.len() > LANES {
         return Err(SolveError::Lanes(lanes.len()));
     }
@@ -402,4 +444,4 @@ fn check_sources(lanes: &[&[PointSource]]) -> Result<(), SolveError> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(in crate::scattering) mod tests;

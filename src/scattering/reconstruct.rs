@@ -34,6 +34,20 @@ pub fn diffuse(matrix: &[f32], radiance: &[Lanes], cells: usize, out: &mut [Lane
     multiply(matrix, radiance, cells, out);
 }
 
+/// [`diffuse`] of one lane's radiance.
+pub fn diffuse_one(matrix: &[f32], radiance: &[f32], cells: usize) -> Vec<f32> {
+    let n = matrix.len().isqrt();
+    let mut out = vec![0.0; radiance.len()];
+    for (row, out) in matrix.chunks(n).zip(out.chunks_mut(cells)) {
+        for (share, light) in row.iter().zip(radiance.chunks(cells)) {
+            for (o, l) in out.iter_mut().zip(light) {
+                *o += share * l;
+            }
+        }
+    }
+    out
+}
+
 dispatch! {
     /// The matrix times every cell's directions.
     fn multiply(matrix: &[f32], radiance: &[Lanes], cells: usize, out: &mut [Lanes]) => multiply_body

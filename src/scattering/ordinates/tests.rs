@@ -54,8 +54,7 @@ fn white_furnace() {
             for depth in [0.25, 1.0, 4.0] {
                 let medium = patchy(cells, spacing, depth);
                 let params = Params { rule, phase, albedo: 1.0, rays: 64, ..Params::default() };
-                let solver = Solver::new(&medium, params).expect("legal");
-                let mut operator = solver.operator();
+                let mut operator = Solver::new(&medium, params).expect("legal").operator;
                 let mut work = Work::new(&operator);
                 let mut x = vec![Lanes::ZERO; medium.len() * operator.angles.moments];
                 let mut b = x.clone();

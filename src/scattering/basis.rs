@@ -1,0 +1,265 @@
+//! Basis intensities: the light of every virtual light in a cloud, solved, compressed, in shares that merge to the same bits.
+
+use super::compress::{Block, Packing, Width};
+use super::lanes::LANES;
+use super::lights::Lights;
+use super::medium::Medium;
+use super::ordinates::{Params, PointSource, SolveError, Solver};
+use crate::numeric::haar::Haar;
+use crate::numeric::sphere::harmonics_count;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// What of the light is stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Content {
+    /// Scattered light per unit of extinction in every direction, direct and multiple: the published scheme.
+    Total,
+    /// Moments of the diffuse radiance: smooth, for the hybrid method, which finds direct light itself.
+    Diffuse,
+}
+
+/// Everything that decides what a basis holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recipe {
+    /// The cloud; if it repeats, every column of lights has its own window.
+    pub medium: Medium,
+    /// How light is solved.
+    pub params: Params,
+    /// Where the lights are.
+    pub lights: Lights,
+    /// What is stored.
+    pub content: Content,
+    /// How.
+    pub packing: Packing,
+}
+
+/// A baked basis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Basis {
+    /// What it was made by.
+    pub recipe: Recipe,
+    /// One a light.
+    pub blocks: Vec<Block>,
+}
+
+/// Why baking ended.
+#[derive(Debug, thiserror::Error)]
+pub enum BakeError<E> {
+    /// The solver did not find the light.
+    #[error("lights {first} to {last}: {why}")]
+    Solve {
+        /// First light of the batch.
+        first: usize,
+        /// Last light of the batch.
+        last: usize,
+        /// The solver's words.
+        why: SolveError,
+    },
+    /// Whoever takes the blocks did not.
+    #[error(transparent)]
+    Sink(E),
+}
+
+impl Recipe {
+    /// Fields of one light.
+    pub fn components(&self) -> usize {
+        match self.content {
+            Content::Total => self.params.rule.count(),
+            Content::Diffuse => harmonics_count(self.params.rule.order()),
+        }
+    }
+
+    /// The norm of the threshold: light of 1 W/sr at the distance of a cell's longest edge, W/m^2, times the root of the
+    /// number of cells.
+    pub fn norm(&self) -> f64 {
+        let edge = self.medium.spacing_m.iter().copied().fold(0.0, f64::max);
+        (self.medium.len() as f64).sqrt() / (edge * edge)
+    }
+
+    /// Bytes of the table before compression, f32.
+    pub fn dense_bytes(&self) -> usize {
+        self.lights.len() * self.components() * self.medium.len() * 4
+    }
+
+    /// Lights that are solved together, in order: those of a column where the medium repeats (they share a window), else
+    /// sixteen. Batches, not lights, are shared out, since the lanes of a batch stop together.
+    pub fn batches(&self) -> Vec<Range<usize>> {
+        let column = if self.medium.periodic { self.lights.z_m.len() } else { self.lights.len() };
+        let mut batches = Vec::new();
+        for start in (0..self.lights.len()).step_by(column.max(1)) {
+            let end = start + column;
+            batches.extend((start..end).step_by(LANES).map(|at| at..(at + LANES).min(end)));
+        }
+        batches
+    }
+
+    /// The batches of share `index` of `of`: as even as whole batches allow; all shares in order are all batches.
+    pub fn share(&self, index: usize, of: usize) -> Range<usize> {
+        let n = self.batches().len();
+        n * index / of.max(1)..n * (index + 1) / of.max(1)
+    }
+
+    /// Bakes batches in order and hands every light's block to `sink` in order; as many batches are in memory as threads.
+    ///
+    /// # Errors
+    /// [`BakeError`]; blocks handed over before stay good.
+    pub fn bake<E: Send>(
+        &self,
+        batches: Range<usize>,
+        mut sink: impl FnMut(usize, Block) -> Result<(), E>,
+    ) -> Result<(), BakeError<E>> {
+        let all = self.batches();
+        let first = Solver::new(&self.medium, self.params);
+        let solver = first.map_err(|why| BakeError::Solve { first: 0, last: 0, why })?;
+        let haar = Haar::new(self.medium.cells);
+        let wave = rayon::current_num_threads().max(1);
+        for batch in all[batches].chunks(wave) {
+            let solved: Vec<Result<Vec<Block>, SolveError>> =
+                batch.par_iter().map(|lights| self.solve(&solver, &haar, lights.clone())).collect();
+            for (lights, blocks) in batch.iter().zip(solved) {
+                let (first, last) = (lights.start, lights.end - 1);
+                let blocks = blocks.map_err(|why| BakeError::Solve { first, last, why })?;
+                for (light, block) in lights.clone().zip(blocks) {
+                    sink(light, block).map_err(BakeError::Sink)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The fields of some lights of one batch, not packed: components times cells each.
+    ///
+    /// # Errors
+    /// [`SolveError`].
+    pub fn fields(&self, solver: &Solver, lights: Range<usize>) -> Result<Vec<Vec<f32>>, SolveError> {
+        let (window, corner) = self.window(lights.start);
+        let windowed;
+        let solver = if self.medium.periodic {
+            windowed = solver.at(&window);
+            &windowed
+        } else {
+            solver
+        };
+        let points: Vec<[PointSource; 1]> = lights
+            .map(|light| {
+                let p = self.lights.position_m(light);
+                let h = self.medium.spacing_m;
+                let position_m = [p[0] - corner[0] as f64 * h[0], p[1] - corner[1] as f64 * h[1], p[2]];
+                [PointSource { position_m, intensity: 1.0 }]
+            })
+            .collect();
+        let lanes: Vec<&[PointSource]> = points.iter().map(|p| &p[..]).collect();
+        let (solved, _) = solver.solve(&lanes)?;
+        let (cells, moments) = (self.medium.len(), self.components());
+        Ok(solved
+            .into_iter()
+            .map(|light| match self.content {
+                Content::Total => light.towards,
+                // From cell by cell to moment by moment.
+                Content::Diffuse => {
+                    (0..moments * cells).map(|i| light.diffuse[i % cells * moments + i / cells]).collect()
+                }
+            })
+            .collect())
+    }
+
+    fn solve(&self, solver: &Solver, haar: &Haar, lights: Range<usize>) -> Result<Vec<Block>, SolveError> {
+        let fields = self.fields(solver, lights)?;
+        Ok(fields.into_iter().map(|mut f| Block::pack(haar, &mut f, self.packing, self.norm())).collect())
+    }
+
+    /// The window of a light's column and its corner in cells.
+    pub fn window(&self, light: usize) -> (Medium, [i64; 2]) {
+        self.medium.window(self.lights.position_m(light))
+    }
+
+    /// A name by content: equal recipes, equal names; 32 hexadecimal digits.
+    pub fn name(&self) -> String {
+        let bytes = super::file::header(self);
+        let (a, b) = (super::file::hash(&bytes, 0), super::file::hash(&bytes, 0x5bd1_e995));
+        format!("{a:016x}{b:016x}")
+    }
+}
+
+impl Basis {
+    /// Bakes everything in memory.
+    ///
+    /// # Errors
+    /// [`BakeError::Solve`].
+    pub fn bake(recipe: Recipe) -> Result<Self, BakeError<std::convert::Infallible>> {
+        let mut blocks = Vec::with_capacity(recipe.lights.len());
+        recipe.bake(0..recipe.batches().len(), |_, block| {
+            blocks.push(block);
+            Ok(())
+        })?;
+        Ok(Self { recipe, blocks })
+    }
+
+    /// Bytes of the coefficients.
+    pub fn bytes(&self) -> usize {
+        self.blocks.iter().map(|b| b.bytes(self.recipe.medium.len())).sum()
+    }
+
+    /// Relative error of storing, over all lights (root of summed squares).
+    pub fn error(&self) -> f64 {
+        let sum = |k: usize| self.blocks.iter().map(|b| b.squares[k]).sum::<f64>();
+        if sum(0) > 0.0 { (sum(1) / sum(0)).sqrt() } else { 0.0 }
+    }
+}
+
+/// The usual packing: f16 and a threshold that keeps bolts within 3 % of the dense table in the report's clouds.
+pub const USUAL_PACKING: Packing = Packing { threshold: 2e-4, width: Width::F16 };
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::scattering::ordinates::tests::patchy;
+
+    pub(crate) fn small(content: Content, periodic: bool) -> Recipe {
+        let mut medium = patchy([8, 8, 4], [1.0; 3], 1.0);
+        medium.periodic = periodic;
+        Recipe {
+            lights: Lights::even([5, 4, 3], medium.size_m(), 2.0, periodic).expect("legal"),
+            params: Params { albedo: 0.99, rays: 256, ..Params::default() },
+            content,
+            packing: Packing { threshold: 1e-4, width: Width::F16 },
+            medium,
+        }
+    }
+
+    #[test]
+    fn shares_merge_to_the_whole_bit_for_bit_on_any_number_of_threads() {
+        for periodic in [false, true] {
+            let recipe = small(Content::Total, periodic);
+            let whole = Basis::bake(recipe.clone()).expect("baked");
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().expect("a pool");
+            let mut merged = Vec::new();
+            for share in [2, 0, 1] {
+                pool.install(|| {
+                    recipe.bake(recipe.share(share, 3), |light, block| {
+                        merged.push((light, block));
+                        Ok::<(), ()>(())
+                    })
+                })
+                .expect("baked");
+            }
+            merged.sort_by_key(|(light, _)| *light);
+            assert_eq!(merged.len(), 60);
+            assert!(merged.iter().zip(&whole.blocks).all(|((_, a), b)| a == b));
+            assert!(whole.error() > 0.0 && whole.error() < 0.05, "{}", whole.error());
+        }
+    }
+
+    #[test]
+    fn names_follow_content() {
+        let recipe = small(Content::Total, false);
+        let mut other = recipe.clone();
+        assert_eq!(recipe.name(), other.name());
+        other.medium.extinction_per_m[7] += 1e-3;
+        assert_ne!(recipe.name(), other.name());
+        let mut other = recipe.clone();
+        other.params.tolerance = 2e-4;
+        assert_ne!(recipe.name(), other.name());
+    }
+}
