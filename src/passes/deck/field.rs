@@ -5,7 +5,7 @@ use crate::clouds::{density, detail, modulation};
 use crate::passes::common::{chart_weights, smoothstep, stereographic};
 use crate::passes::light::DIFFUSE_RANGE;
 use crate::passes::sampling::{map_repeat, volume_byte, volume_rgba};
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 
 /// What a layer's look-ups read.
 #[derive(Clone, Copy)]
@@ -71,31 +71,30 @@ pub fn margin(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_
     found
 }
 
-/// Directional, diffuse and sky light as stored (square roots) at a point of a layer and its height over the sphere.
-pub fn light_at(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_m: f32) -> Vec3 {
+/// Directional, diffuse, sky and ground light as stored (square roots) at a point of a layer and its height over the sphere.
+pub fn light_at(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_m: f32) -> Vec4 {
     let radius = earth_m + height_m;
     let z = stereographic(p, earth_m, radius);
     let share = (height_m - layer.base_m) / layer.thickness_m;
     let weights = chart_weights(&layer.chart, layer.charts, p + Vec3::new(0.0, 0.0, earth_m), radius);
-    let mut light = Vec3::ZERO;
+    let mut light = Vec4::ZERO;
     for ((chart, weight), volume) in layer.chart.iter().zip(weights).zip(textures.lights) {
         if weight > 0.0 {
             let tile = (Vec2::from(chart.tile_origin_m) + chart.displacement(z)) * (1.0 / density::TILE_M);
-            let [r, g, b, _] = volume_rgba(volume, density::WIDTH, density::HEIGHT, [tile.x, tile.y, share]);
-            light += weight * Vec3::new(r, g, b);
+            let found = volume_rgba(volume, density::WIDTH, density::HEIGHT, [tile.x, tile.y, share]);
+            light += weight * Vec4::from(found);
         }
     }
     light
 }
 
 /// Luminance that a point of cloud sends towards the eye where it is opaque, cd/m2 per colour (the source function).
-pub fn source(layer: &Layer, light: Vec3, phase: f32, p: Vec3, height_m: f32) -> Vec3 {
+pub fn source(layer: &Layer, light: Vec4, phase: f32, p: Vec3) -> Vec3 {
     let shares = light * light;
     let per_steradian = DIFFUSE_RANGE * 0.079_577_47;
-    let below = (1.0 - (height_m - layer.base_m) / layer.thickness_m).clamp(0.0, 1.0);
     let mut light = Vec3::from(layer.light_lux) * (phase * shares.x + per_steradian * shares.y)
         + Vec3::from(layer.sky_lux) * (DIFFUSE_RANGE * shares.z)
-        + Vec3::from(layer.ground_lux) * (below * below);
+        + Vec3::from(layer.ground_lux) * (DIFFUSE_RANGE * shares.w);
     for flash in &layer.flash[..layer.flashes as usize] {
         // Eq. 21, the distance capped.
         let d2 = (p - Vec3::from(flash.position_m)).length_squared().max(FLASH_CAP_M * FLASH_CAP_M);

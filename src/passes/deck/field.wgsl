@@ -97,14 +97,14 @@ fn shape_at(at: vec3<f32>) -> f32 {
     return textureSampleLevel(shape, tiled, at, 0.0).r;
 }
 
-fn stored_light(chart: u32, at: vec3<f32>) -> vec3<f32> {
+fn stored_light(chart: u32, at: vec3<f32>) -> vec4<f32> {
     if chart == 0u {
-        return textureSampleLevel(light0, tiled, at, 0.0).rgb;
+        return textureSampleLevel(light0, tiled, at, 0.0);
     }
     if chart == 1u {
-        return textureSampleLevel(light1, tiled, at, 0.0).rgb;
+        return textureSampleLevel(light1, tiled, at, 0.0);
     }
-    return textureSampleLevel(light2, tiled, at, 0.0).rgb;
+    return textureSampleLevel(light2, tiled, at, 0.0);
 }
 
 fn bound_at(tile: vec2<f32>) -> f32 {
@@ -188,8 +188,8 @@ fn look(direction: vec3<f32>, t: f32) -> f32 {
     return found;
 }
 
-// Directional, diffuse and sky light as stored (square roots) at a point and its height.
-fn light_at(p: vec3<f32>, height: f32) -> vec3<f32> {
+// Directional, diffuse, sky and ground light as stored (square roots) at a point and its height.
+fn light_at(p: vec3<f32>, height: f32) -> vec4<f32> {
     let radius = camera.earth_m + height;
     let z = stereographic(p, radius);
     let share = (height - layer.base_m) / layer.thickness_m;
@@ -199,7 +199,7 @@ fn light_at(p: vec3<f32>, height: f32) -> vec3<f32> {
     }
     let from_centre = (p + vec3<f32>(0.0, 0.0, camera.earth_m)) / radius;
     let best = best_chart(from_centre);
-    var found = vec3<f32>(0.0);
+    var found = vec4<f32>(0.0);
     var sum = 0.0;
     for (var i = 0u; i < layer.charts; i++) {
         let weight = chart_lead(i, from_centre, best);
@@ -221,11 +221,10 @@ fn phase(cosine: f32) -> f32 {
 }
 
 // Luminance that a point of cloud sends towards the eye where it is opaque.
-fn source(stored: vec3<f32>, along: f32, p: vec3<f32>, height: f32) -> vec3<f32> {
+fn source(stored: vec4<f32>, along: f32, p: vec3<f32>) -> vec3<f32> {
     let shares = stored * stored;
-    let below = clamp(1.0 - (height - layer.base_m) / layer.thickness_m, 0.0, 1.0);
     var light = layer.light_lux * (along * shares.x + DIFFUSE_RANGE * PER_STERADIAN * shares.y)
-        + layer.sky_lux * (DIFFUSE_RANGE * shares.z) + layer.ground_lux * (below * below);
+        + DIFFUSE_RANGE * (layer.sky_lux * shares.z + layer.ground_lux * shares.w);
     if FLASHES {
         for (var i = 0u; i < layer.flashes; i++) {
             let away = p - layer.flash[i].position_m;
@@ -305,7 +304,7 @@ fn seen_between(direction: vec3<f32>, along: f32, near: f32, far: f32, at: f32, 
         let p = direction * t + vec3<f32>(0.0, 0.0, camera.eye_m);
         let passed = air_transmittance(height, t);
         seen.alpha = 1.0 - exp(-layer.extinction_per_m * (end - at) * whole);
-        seen.light = source(light_at(p, height), along, p, height) * (passed * seen.alpha);
+        seen.light = source(light_at(p, height), along, p) * (passed * seen.alpha);
         seen.hidden = (1.0 - passed) * seen.alpha;
     }
     return seen;

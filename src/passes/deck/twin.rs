@@ -202,7 +202,7 @@ impl Ray<'_> {
         let phase = phase(self.direction.dot(Vec3::from(layer.light_direction)));
         let passed = self.camera.air_transmittance(height, t);
         let light = light_at(layer, &prepared.textures, self.camera.earth_m, p, height);
-        let seen = source(layer, light, phase, p, height) * passed + self.air * (1.0 - passed);
+        let seen = source(layer, light, phase, p) * passed + self.air * (1.0 - passed);
         gathered.luminance += seen * (alpha * gathered.transmittance);
         gathered.transmittance *= 1.0 - alpha;
     }

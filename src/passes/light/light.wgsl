@@ -96,6 +96,11 @@ fn slab(over: f32, under: f32, mu: f32) -> f32 {
     return max(whole - exp(-over / mu), 0.0) * (1.0 - exp(-2.0 * reduced * total));
 }
 
+fn between(near: f32, far: f32) -> f32 {
+    let reduced = 1.0 - ASYMMETRY;
+    return (4.0 / 3.0) / (4.0 / 3.0 + reduced * (near + far)) * (2.0 + 3.0 * reduced * far);
+}
+
 @compute @workgroup_size(16, 16)
 fn light_down(@builtin(global_invocation_id) id: vec3<u32>) {
     let x = i32(id.x);
@@ -124,8 +129,9 @@ fn light_up(@builtin(global_invocation_id) id: vec3<u32>) {
     let mu = light.direction.z;
     let forward = exp(-(1.0 - FORWARD_SHARE) * over.x);
     let diffuse = slab(over.x * mu, under.x * mu + own, mu) / DIFFUSE_RANGE;
-    let from_sky = slab(over.y, under.y + own, 2.0 / 3.0) / DIFFUSE_RANGE;
-    let shares = sqrt(clamp(vec3<f32>(forward, diffuse, from_sky), vec3<f32>(0.0), vec3<f32>(1.0)));
+    let from_sky = between(over.y, under.y + own) / DIFFUSE_RANGE;
+    let from_ground = between(under.y + own, over.y) / DIFFUSE_RANGE;
+    let shares = sqrt(clamp(vec4<f32>(forward, diffuse, from_sky, from_ground), vec4<f32>(0.0), vec4<f32>(1.0)));
     // Rounded as the twin rounds, which is not left to the device.
-    textureStore(volume, vec3<i32>(x, y, z), vec4<f32>(floor(shares * 255.0 + 0.5) / 255.0, value));
+    textureStore(volume, vec3<i32>(x, y, z), floor(shares * 255.0 + 0.5) / 255.0);
 }

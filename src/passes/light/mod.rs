@@ -1,8 +1,8 @@
 //! Sunlight and skylight inside a deck, precomputed into the 256 x 256 x 32 texture (deck paper 3.2).
 //!
-//! *What it is.* For each voxel three shares of the light outside: red, the directional light after multiple forward
-//! scattering; green, its diffuse part; blue, the diffuse part of the skylight. Alpha keeps the shape value. All for one
-//! typical theta of the layer and one direction of the light.
+//! *What it is.* For each voxel four shares of the light outside: red, the directional light after multiple forward
+//! scattering; green, its diffuse part; blue, skylight; alpha, light from below. All for one typical theta of the layer and
+//! one direction of the light.
 //!
 //! *How we compute it.* Optical depths by recurrence from slice to slice (eq. 7 for the exponent): downwards along the
 //! light and from the zenith, upwards likewise. With them
@@ -10,7 +10,9 @@
 //!   recurrence `e^-t + b t` gains energy for large t), b the share scattered into the forward cone;
 //! - diffuse light: Eddington's solution of a conservative slab, `4 pi J = F (2 + 3 (1 - g) tau_below)` with the net flux
 //!   `F = E mu T`, `T = ((2/3 + mu) + (2/3 - mu) e^(-tau/mu)) / (4/3 + (1 - g) tau)`, which at optical depths 5, 10, 20
-//!   and 40 transmits 0.80, 0.59, 0.38 and 0.23 of vertical light (Monte Carlo: 0.77, 0.58, 0.38, 0.23).
+//!   and 40 transmits 0.80, 0.59, 0.38 and 0.23 of vertical light (Monte Carlo: 0.77, 0.58, 0.38, 0.23);
+//! - light of sky and ground: the same for even, diffuse light from one side, which keeps the white furnace: a cloud in an
+//!   even light is not to be seen.
 //!
 //! *How we store it.* Square roots in 8 bits: dark values keep relative precision. *How we read it back.* Trilinear, squared.
 

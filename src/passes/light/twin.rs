@@ -29,7 +29,7 @@ pub fn light(params: &Light, shape: &[u8]) -> Vec<[u8; 4]> {
         out.par_iter_mut().enumerate().for_each(|(i, texel)| {
             let value = shape[i + z * AREA];
             let own = 0.5 * extinction(params, value) * params.voxel_height_m;
-            *texel = shade(params, value, own, above[i], below[i]);
+            *texel = shade(params, own, above[i], below[i]);
         });
     }
     texels
@@ -67,15 +67,23 @@ fn step(params: &Light, shape: &[u8], from: usize, to: usize, sign: f32, source:
     });
 }
 
-fn shade(params: &Light, value: u8, own: f32, above: [f32; 2], below: [f32; 2]) -> [u8; 4] {
+fn shade(params: &Light, own: f32, above: [f32; 2], below: [f32; 2]) -> [u8; 4] {
     let mu = params.direction[2];
     let forward = (-(1.0 - FORWARD_SHARE) * above[0]).exp();
     // The slab that the slanted path sees, as vertical depths.
     let (over, under) = (above[0] * mu, below[0] * mu + own);
     let diffuse = slab(over, under, mu);
-    let sky = slab(above[1], below[1] + own, 2.0 / 3.0);
+    let (sky, ground) = (between(above[1], below[1] + own), between(below[1] + own, above[1]));
     let store = |share: f32| (share.clamp(0.0, 1.0).sqrt() * 255.0 + 0.5) as u8;
-    [store(forward), store(diffuse / DIFFUSE_RANGE), store(sky / DIFFUSE_RANGE), value]
+    [store(forward), store(diffuse / DIFFUSE_RANGE), store(sky / DIFFUSE_RANGE), store(ground / DIFFUSE_RANGE)]
+}
+
+/// 4 pi times the mean intensity over the illuminance by even, diffuse light, at a depth of `near` from the side that it
+/// comes from and `far` from the other (Eddington; conservative). Lit evenly from both sides a slab is as bright as what
+/// lights it, however thin or thick.
+fn between(near: f32, far: f32) -> f32 {
+    let reduced = 1.0 - ASYMMETRY;
+    (4.0 / 3.0) / (4.0 / 3.0 + reduced * (near + far)) * (2.0 + 3.0 * reduced * far)
 }
 
 /// 4 pi times the mean diffuse intensity over the light's illuminance on a plane facing it, at depths `over` and `under`
@@ -138,6 +146,19 @@ mod tests {
         for (depth, transmitted) in [(5.0, 0.77), (10.0, 0.58), (20.0, 0.38), (40.0, 0.23)] {
             let passed = (5.0 / 3.0 - (1.0 / 3.0) * f32::exp(-depth)) / (4.0 / 3.0 + 0.15 * depth);
             assert!((passed / transmitted - 1.0f32).abs() < 0.06, "{depth}: {passed}");
+        }
+    }
+
+    #[test]
+    fn a_cloud_in_an_even_light_is_not_to_be_seen() {
+        // White furnace: luminance L all around lights each side with pi L; 4 pi J is 4 pi L everywhere.
+        for depth in [0.0, 0.01, 1.0, 20.0, 1e4] {
+            for share in [0.0f32, 0.3, 1.0] {
+                let (near, far) = (share * depth, (1.0 - share) * depth);
+                let all = (between(near, far) + between(far, near)) / 4.0;
+                // The two terms cancel to within f32's rounding.
+                assert!((all - 1.0f32).abs() < 1e-5, "{depth} {share}: {all}");
+            }
         }
     }
 
