@@ -14,7 +14,8 @@ fn pcg3d(v_in: vec3<u32>) -> vec3<u32> {
     return v;
 }
 
-fn filmic(x: vec3<f32>) -> vec3<f32> {
+fn filmic(c: vec3<f32>) -> vec3<f32> {
+    let x = c * 0.75;
     return clamp((x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14), vec3<f32>(0.0), vec3<f32>(1.0));
 }
 
