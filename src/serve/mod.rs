@@ -47,7 +47,7 @@ use socket::Doorman;
 use std::future::Future;
 use std::sync::Arc;
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use strikes::Strikes;
 use tokio::net::TcpListener;
 use tokio::sync::{mpsc, oneshot};
@@ -65,6 +65,8 @@ const FRAMES_WAITING: usize = 4;
 const GOODBYE: Duration = Duration::from_millis(600);
 /// For everything that was told to end at once.
 const ENDING: Duration = Duration::from_millis(300);
+/// For the picture that is being drawn.
+const DRAWING_ENDS: Duration = Duration::from_millis(400);
 
 /// Why the server could not run.
 #[derive(Debug, thiserror::Error)]
@@ -207,15 +209,16 @@ async fn start_drawing(
 
 /// Waits for the render thread, as long as the two seconds of an orderly end allow.
 async fn join(thread: JoinHandle<()>) {
-    let step = Duration::from_millis(10);
-    for _ in 0..40 {
-        if thread.is_finished() {
-            if thread.join().is_err() {
-                tracing::error!("fault: the render thread panicked");
-            }
-            return;
+    // By the clock, not by the number of looks: on a busy machine a sleep lasts longer than was asked for.
+    let end = Instant::now() + DRAWING_ENDS;
+    while !thread.is_finished() && Instant::now() < end {
+        tokio::time::sleep(Duration::from_millis(10)).await;
+    }
+    if thread.is_finished() {
+        if thread.join().is_err() {
+            tracing::error!("fault: the render thread panicked");
         }
-        tokio::time::sleep(step).await;
+        return;
     }
     tracing::warn!("the picture being drawn takes longer than the stop may: its thread is left to the system");
 }
