@@ -203,7 +203,7 @@ mod tests {
         let bytes = canvas.finish();
         let red = |x: usize, y: usize| bytes[4 * (y * width + x)];
         assert!(
-            red(45, 30) > 230 && red(45, 36) < 150 && red(45, 70) < 80,
+            red(45, 30) > 190 && red(45, 36) < 150 && red(45, 70) < 80,
             "{} {} {}",
             red(45, 30),
             red(45, 36),

