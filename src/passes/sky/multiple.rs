@@ -5,7 +5,7 @@
 //! *How we compute it.* The second order by rays from the point to all sides (eq. 6-7), all further ones as the geometric
 //! series of the share that is scattered on (eq. 8-10). Haze scatters mostly forwards, so here it counts with its transport
 //! coefficient, and light on its way through haze is lost as in a diffuse slab and not by Beer's law: in fog, too, it is day.
-//! *How we store it.* Logarithms over height and cosine, one table a decade and a half of haze, made when first asked for.
+//! *How we store it.* Logarithms over height and cosine, one table for each half decade of haze, made when first asked for.
 //! *How we read it back.* Bilinear, and linear in the logarithm of the haze.
 
 use super::atmosphere::{
