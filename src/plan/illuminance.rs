@@ -12,6 +12,7 @@ use crate::passes::deck::{FLASHES, Flash};
 use crate::passes::ground::Ground;
 use crate::passes::sky::Sky;
 use crate::passes::sky::atmosphere::{Air, Luminary, MOON_LUX, SUN_LUX};
+use crate::passes::sky::multiple::HigherOrders;
 use crate::passes::sky::table::TableParams;
 use crate::world::command::Frustum;
 use crate::world::regions::weight_at;
@@ -83,9 +84,11 @@ impl Illuminance {
             })
             .copied()
             .unwrap_or(lights[0]);
+        let higher = HigherOrders::of(&air);
         let level = |height_m: f32| Level {
             direct_lux: air.transmittance(height_m, key.direction.z) * key.illuminance_lux,
-            diffuse_lux: skylight(&air, height_m, &lights) + Vec3::splat(std::f32::consts::PI * night_luminance),
+            diffuse_lux: skylight(&air, &higher, height_m, &lights)
+                + Vec3::splat(std::f32::consts::PI * night_luminance),
         };
         let mu = key.direction.z.max(0.02);
         let clear = ClearSky { at: &level, eye: level(eye.height_m as f32), ground: level(0.0), mu };
@@ -242,7 +245,7 @@ fn moonlight(lit_fraction: f64, sun_up: f32, moon_up: f32) -> Vec3 {
 }
 
 /// Illuminance of a horizontal plane by the sky at a height, lux per colour: six elevations by eight azimuths.
-fn skylight(air: &Air, height_m: f32, lights: &[Luminary; 2]) -> Vec3 {
+fn skylight(air: &Air, higher: &HigherOrders, height_m: f32, lights: &[Luminary; 2]) -> Vec3 {
     let (rows, columns) = (6, 8);
     let mut sum = Vec3::ZERO;
     let lights: Vec<Luminary> = lights.iter().filter(|l| l.illuminance_lux != Vec3::ZERO).copied().collect();
@@ -253,7 +256,7 @@ fn skylight(air: &Air, height_m: f32, lights: &[Luminary; 2]) -> Vec3 {
         for column in 0..columns {
             let azimuth = (column as f32 + 0.5 * (row % 2) as f32) / columns as f32 * std::f32::consts::TAU;
             let direction = Vec3::new(azimuth.cos() * flat, azimuth.sin() * flat, up);
-            sum += air.inscatter(height_m, direction, &lights, 12).0;
+            sum += air.inscatter(higher, height_m, direction, &lights, 12).0;
         }
     }
     sum * (std::f32::consts::PI / (rows * columns) as f32)

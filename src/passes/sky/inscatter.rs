@@ -7,10 +7,16 @@ use glam::Vec3;
 
 impl Air {
     /// Light scattered into a ray from a height, cd/m2 per colour, and the transmittance of the ray (to the ground or
-    /// to space), by `steps` steps that grow with the distance from where the ray enters the air.
-    pub fn inscatter(&self, eye_m: f32, direction: Vec3, lights: &[Luminary], steps: u32) -> (Vec3, Vec3) {
+    /// to space), given what this air scatters more than once, by `steps` steps that grow with the distance from where the ray enters the air.
+    pub fn inscatter(
+        &self,
+        higher: &HigherOrders,
+        eye_m: f32,
+        direction: Vec3,
+        lights: &[Luminary],
+        steps: u32,
+    ) -> (Vec3, Vec3) {
         let [begin, end] = path(eye_m, direction.z).0;
-        let higher = HigherOrders::of(self);
         let (mut light, mut passed) = (Vec3::ZERO, Vec3::ONE);
         let mut before = begin;
         for step in 0..steps {

@@ -32,20 +32,17 @@ const DARK: f32 = 1e-18;
 
 type Table = Vec<Vec3>;
 
-/// The tables on either side of an amount of haze.
-#[derive(Clone, Copy)]
-pub struct HigherOrders {
-    tables: [&'static Table; 2],
-    share: f32,
-}
+/// The orders from the second on in one kind of air.
+pub struct HigherOrders(Table);
 
 impl HigherOrders {
-    /// Those of this air.
+    /// Those of this air: between the tables on either side of its haze.
     pub fn of(air: &Air) -> Self {
         let place = (air.haze_per_m.max(LEAST_HAZE_PER_M) / LEAST_HAZE_PER_M).log10() * TABLES_PER_DECADE;
         let place = place.min((TABLES - 1) as f32);
         let low = (place as usize).min(TABLES - 2);
-        Self { tables: [table(low), table(low + 1)], share: place - low as f32 }
+        let share = place - low as f32;
+        Self(table(low).iter().zip(table(low + 1)).map(|(a, b)| a.lerp(*b, share)).collect())
     }
 
     /// Luminance at a height per lux outside the air, of a light at this cosine against the zenith there.
@@ -53,12 +50,9 @@ impl HigherOrders {
         let y = (height_m / TOP_M).clamp(0.0, 1.0).sqrt() * (HEIGHTS - 1) as f32;
         let x = cosine_to_row(height_m, up) * (COSINES - 1) as f32;
         let (x0, y0) = ((x as usize).min(COSINES - 2), (y as usize).min(HEIGHTS - 2));
-        let at = |table: &Table| {
-            let texel = |dx: usize, dy: usize| table[(x0 + dx) + (y0 + dy) * COSINES];
-            let fx = x - x0 as f32;
-            texel(0, 0).lerp(texel(1, 0), fx).lerp(texel(0, 1).lerp(texel(1, 1), fx), y - y0 as f32)
-        };
-        at(self.tables[0]).lerp(at(self.tables[1]), self.share).exp()
+        let texel = |dx: usize, dy: usize| self.0[(x0 + dx) + (y0 + dy) * COSINES];
+        let fx = x - x0 as f32;
+        texel(0, 0).lerp(texel(1, 0), fx).lerp(texel(0, 1).lerp(texel(1, 1), fx), y - y0 as f32).map(f32::exp)
     }
 }
 

@@ -7,6 +7,7 @@
 //! *How we read it back.* Bilinear; a margin round the discs repeats the rim.
 
 use super::atmosphere::{Air, Luminary};
+use super::multiple::HigherOrders;
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 use half::f16;
@@ -44,6 +45,7 @@ pub struct Texel(pub [f16; 4]);
 /// Fills the table: `2 * WIDTH` by `WIDTH` texels, rows one after another, the disc above the horizon on the left.
 pub fn build(params: &TableParams) -> Vec<Texel> {
     let air = Air { haze_per_m: params.haze_per_m };
+    let higher = HigherOrders::of(&air);
     let lights: Vec<Luminary> =
         params.lights.iter().filter(|l| l.illuminance_lux.max_element() > 0.0).copied().collect();
     (0..2 * WIDTH * WIDTH)
@@ -53,7 +55,7 @@ pub fn build(params: &TableParams) -> Vec<Texel> {
             let above = x < WIDTH;
             let at = Vec2::new((x % WIDTH) as f32 + 0.5, y as f32 + 0.5) * (2.0 / WIDTH as f32) - Vec2::ONE;
             let direction = direction_of(at / RIM, above, params.horizon);
-            let (light, passed) = air.inscatter(params.eye_m, direction, &lights, 24);
+            let (light, passed) = air.inscatter(&higher, params.eye_m, direction, &lights, 24);
             let passed = passed.dot(Vec3::new(0.2126, 0.7152, 0.0722));
             let night = params.night_luminance * (1.0 - 0.6 * passed) * Vec3::new(0.75, 0.9, 1.25);
             let stored = ((light + night) / params.scale).min(Vec3::splat(60_000.0));
