@@ -30,8 +30,9 @@ pub use timing::measure;
 
 /// Every subject that `stormdeck report` knows, in the order in which they run. One line and one file each.
 pub fn subjects() -> &'static [Subject] {
-    &[encode::SUBJECT, lightning::SUBJECT]
+    &[encode::SUBJECT, lightning::SUBJECT, shadow::SUBJECT]
 }
 
 mod encode;
 mod lightning;
+mod shadow;

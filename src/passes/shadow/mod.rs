@@ -11,6 +11,7 @@
 //! Each layer multiplies what the others have left in an image of its own, which the ground reads. Inside a layer the light
 //! takes a straight path under the theta of its middle; where two charts are cross-faded, so are their shadows.
 
+pub mod march;
 pub mod mean;
 pub mod table;
 pub mod twin;

@@ -8,7 +8,7 @@ use crate::clouds::density::{DensityVolume, HEIGHT, TILE_M, WIDTH};
 use crate::clouds::{CloudKind, detail, modulation};
 use crate::passes::common::Chart;
 use crate::passes::deck::Layer;
-use crate::passes::deck::field::{BOUNDS_WIDTH, Textures, margin};
+use crate::passes::deck::field::{BOUNDS_WIDTH, Textures};
 use bytemuck::Zeroable;
 use glam::{Vec2, Vec3};
 
@@ -135,23 +135,6 @@ fn the_shadow_lies_away_from_the_sun_by_height_over_tangent() {
     }
 }
 
-/// Transmittance along the light from a point of the ground, by small steps through the deck's own field.
-fn marched(layer: &Layer, textures: &Textures, p: Vec3) -> f32 {
-    let light = Vec3::from(layer.light_direction);
-    let centre = Vec3::new(0.0, 0.0, EARTH_M);
-    let steps = 400;
-    let ds = (layer.base_m + layer.thickness_m) / light.z / steps as f32;
-    let depth = |k: i32| {
-        let q = p + light * ((k as f32 + 0.5) * ds);
-        let height_m = (q + centre).length() - EARTH_M;
-        let inside = height_m > layer.base_m && height_m < layer.base_m + layer.thickness_m;
-        // Far from the eye: without fine detail, which shadows do not know.
-        let found = if inside { margin(layer, textures, EARTH_M, q, height_m, 1e6) } else { -1.0 };
-        layer.extinction_per_m * ds * (found * layer.inverse_edge).clamp(0.0, 1.0)
-    };
-    (-(0..steps).map(depth).sum::<f32>()).exp()
-}
-
 #[test]
 fn shadows_are_what_the_deck_lets_through() {
     for (kind, coverage, elevation_deg) in [
@@ -174,7 +157,7 @@ fn shadows_are_what_the_deck_lets_through() {
             // Over two tiles, so that the map varies too.
             let at = Vec2::new((k % 60) as f32, (k / 60) as f32) * (2.0 * TILE_M / 60.0);
             let found = caster.through(EARTH_M, ground(at.x, at.y), 0.0);
-            let marched = marched(&layer, &textures, ground(at.x, at.y));
+            let marched = march::through(&layer, &textures, EARTH_M, ground(at.x, at.y), 256);
             (ours, truth, apart) = (ours + found, truth + marched, apart + (found - marched).abs());
         }
         let [ours, truth, apart] = [ours, truth, apart].map(|sum| sum / points as f32);
