@@ -1,6 +1,11 @@
 //! What a host is told beside pictures: answers and events that follow from a snapshot alone. Pure; no device is asked.
 
 pub mod air;
+pub mod conditions;
+pub mod field;
+pub mod ground;
+pub mod sight;
+
 
 use crate::plan::{FramePlan, Output, plan};
 use crate::world::event::{Event, Refused};

@@ -68,6 +68,20 @@ pub const CIGI_JSON_PACKETS: usize = CIGI_MESSAGE_BYTES / 8;
 pub const CIGI_ENTITIES: usize = 1_024;
 /// Regions of a CIGI host that are kept; the world draws as many as [`world::MAX_REGIONS`].
 pub const CIGI_REGIONS: usize = 256;
+/// Questions of a CIGI host that wait for one Start of Frame.
+pub const CIGI_QUESTIONS: usize = 256;
+/// Questions of a CIGI host that are answered again and again.
+pub const CIGI_PERIODIC_QUESTIONS: usize = 256;
+/// Answers to a CIGI host that wait because they did not fit one datagram.
+pub const CIGI_ANSWERS_WAITING: usize = 4_096;
+/// Bytes of one datagram to a CIGI host: what fits an Ethernet frame without being cut into fragments.
+pub const CIGI_DATAGRAM_BYTES: usize = 1_472;
+/// Frames a second of which a CIGI host is told.
+pub const CIGI_RATE_HZ: Range = Range::new(1.0, 240.0);
+/// Seconds of silence after which a CIGI host is taken to be gone.
+pub const CIGI_SILENCE_S: Range = Range::new(0.1, 3_600.0);
+/// Height of mean sea level above the WGS84 ellipsoid: the geoid lies between -107 m and 86 m.
+pub const SEA_LEVEL_M: Range = Range::new(-110.0, 110.0);
 /// Weather layers of a CIGI host that are kept, those of all regions and entities together.
 pub const CIGI_WEATHER_LAYERS: usize = 1_024;
 

@@ -51,7 +51,7 @@ impl Storm {
                 // At the strongest the chance of two in one slot is 0.1 %: one is taken.
                 (f64::from(unit(chance)) < share).then(|| {
                     let at_s = (number as f64 + f64::from(unit(later))) * SLOT_S;
-                    StrikeRequest { at_s: Some(at_s.max(end_s)), ..self.strike(number) }
+                    StrikeRequest { at_s: Some(at_s), ..self.strike(number) }
                 })
             })
             .collect()

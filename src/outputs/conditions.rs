@@ -1,0 +1,106 @@
+//! The weather at a point: visibility from the field that is drawn, the rest from what the host has said of the air.
+
+use super::air::{Air, AirLayer, AirMass};
+use super::field::Field;
+use crate::geo::Geodetic;
+use crate::world::regions::weight_at;
+use crate::world::snapshot::Snapshot;
+use glam::Vec3;
+
+/// Optical depth of a visibility: contrast of 5 %, as everywhere in the house.
+const VISIBILITY_DEPTH: f64 = 2.996;
+/// Fall of temperature with height in the troposphere (ISO 2533).
+const LAPSE_K_PER_M: f64 = 0.0065;
+/// Its top (ISO 2533); above, the temperature stays.
+const TROPOPAUSE_M: f64 = 11_000.0;
+/// g M / R of the standard atmosphere in K/m (ISO 2533: 9.80665 * 0.028964420 / 8.31432).
+const GMR_K_PER_M: f64 = 0.034_163_2;
+/// 0 degrees Celsius.
+const ZERO_C_IN_K: f64 = 273.15;
+
+/// Air at a point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Conditions {
+    /// Temperature, humidity, pressure and winds.
+    pub air: AirMass,
+    /// Meteorological visibility (5 % contrast) in what is there: cloud, haze, rain.
+    pub visibility_m: f64,
+    /// Aerosol by weather layer, in g/m3, where a layer is at the point.
+    pub aerosols: Vec<(u8, f64)>,
+}
+
+/// The weather at a point.
+pub fn conditions(snapshot: &Snapshot, air: &Air, point: &Geodetic) -> Conditions {
+    let field = Field::around(snapshot, point);
+    let cloud_per_m = f64::from(field.cloud_per_m(Vec3::Z, 0.0));
+    let mut extinction_per_m = cloud_per_m + f64::from(field.haze_per_m());
+    let mut mixed = standard(&air.global, point.altitude_m - air.sea_level_m);
+    let mut aerosols = Vec::new();
+    for (index, layer) in air.layers.iter().enumerate() {
+        let (here, here_for_aerosol) = share(air, index, point);
+        mixed = mix(&mixed, &layer.air, here);
+        if let Some(visibility_m) = layer.visibility_m {
+            extinction_per_m += here * VISIBILITY_DEPTH / visibility_m.max(1.0);
+        }
+        if here_for_aerosol > 0.0 {
+            aerosols.push((layer.layer_id, layer.aerosol_g_per_m3 * here_for_aerosol));
+        }
+    }
+    let visibility_m = VISIBILITY_DEPTH / extinction_per_m.max(1e-9);
+    Conditions { air: mixed, visibility_m, aerosols }
+}
+
+/// The air everywhere at a height above mean sea level, after the standard atmosphere from what holds at sea level.
+pub fn standard(sea_level: &AirMass, height_m: f64) -> AirMass {
+    let low_m = height_m.min(TROPOPAUSE_M);
+    let ground_k = (sea_level.temperature_c + ZERO_C_IN_K).max(1.0);
+    let low_k = (ground_k - LAPSE_K_PER_M * low_m).max(1.0);
+    let low_hpa = sea_level.pressure_hpa * (low_k / ground_k).powf(GMR_K_PER_M / LAPSE_K_PER_M);
+    let pressure_hpa = low_hpa * (-GMR_K_PER_M * (height_m - low_m) / low_k).exp();
+    AirMass { temperature_c: low_k - ZERO_C_IN_K, pressure_hpa, ..*sea_level }
+}
+
+/// How much of a layer's air, and of its aerosol, is at a point: 1 inside, falling over its bands and its region's transition;
+/// less where a later region that keeps nothing of the weather around it lies over it.
+fn share(air: &Air, index: usize, point: &Geodetic) -> (f64, f64) {
+    let layer = &air.layers[index];
+    let outline = |layer: &AirLayer| layer.region.as_ref().map_or(1.0, |region| weight_at(region, point));
+    let there = within(layer, point.altitude_m) * outline(layer);
+    let (mut left, mut left_aerosol) = (1.0, 1.0);
+    for other in air.layers[index + 1..].iter().filter(|other| other.region.is_some() && other.region != layer.region) {
+        let over = 1.0 - outline(other);
+        left *= if other.merges { 1.0 } else { over };
+        left_aerosol *= if other.merges_aerosol { 1.0 } else { over };
+    }
+    (there * left, there * left_aerosol)
+}
+
+/// 1 between base and top, falling to 0 over the bands.
+fn within(layer: &AirLayer, altitude_m: f64) -> f64 {
+    let side = |beyond_m: f64, band_m: f64| match beyond_m {
+        beyond_m if beyond_m <= 0.0 => 1.0,
+        _ if band_m <= 0.0 => 0.0,
+        beyond_m => (1.0 - beyond_m / band_m).max(0.0),
+    };
+    side(layer.base_m - altitude_m, layer.below_m).min(side(altitude_m - layer.top_m, layer.above_m))
+}
+
+/// Goes over from one air to another; winds as vectors, so that north and north do not make south.
+fn mix(a: &AirMass, b: &AirMass, share: f64) -> AirMass {
+    let between = |a: f64, b: f64| a + (b - a) * share;
+    let wind = |air: &AirMass| {
+        let (sin, cos) = air.wind_from_deg.to_radians().sin_cos();
+        [air.wind_speed_mps * cos, air.wind_speed_mps * sin]
+    };
+    let ([an, ae], [bn, be]) = (wind(a), wind(b));
+    let (north, east) = (between(an, bn), between(ae, be));
+    let calm = north == 0.0 && east == 0.0;
+    AirMass {
+        temperature_c: between(a.temperature_c, b.temperature_c),
+        humidity_percent: between(a.humidity_percent, b.humidity_percent),
+        pressure_hpa: between(a.pressure_hpa, b.pressure_hpa),
+        wind_speed_mps: north.hypot(east),
+        updraft_mps: between(a.updraft_mps, b.updraft_mps),
+        wind_from_deg: if calm { between(a.wind_from_deg, b.wind_from_deg) } else { east.atan2(north).to_degrees().rem_euclid(360.0) },
+    }
+}

@@ -1,0 +1,109 @@
+//! Lines of sight: what a ray meets first, ground or cloud, and how much of the light comes through.
+
+use super::field::Field;
+use super::ground;
+use crate::geo::Geodetic;
+use crate::geo::frames::enu;
+use crate::geo::wgs84::{from_ecef, to_ecef};
+use crate::world::snapshot::Snapshot;
+use glam::DVec3;
+
+/// Shortest step through cloud: a fine voxel of the density volume has 62 m.
+const STEP_M: f64 = 15.0;
+/// Most steps; a longer way takes longer ones.
+const MOST_STEPS: f64 = 8_000.0;
+
+/// A question.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Source.
+    pub from: Geodetic,
+    /// Unit direction, ECEF.
+    pub direction: DVec3,
+    /// What is nearer does not hide.
+    pub from_m: f64,
+    /// Length.
+    pub to_m: f64,
+    /// Opacity from 0 to 1 from which cloud hides; `None`: cloud never does.
+    pub opaque: Option<f64>,
+    /// Whether the ground hides.
+    pub ground: bool,
+}
+
+/// What hides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hider {
+    /// The ground.
+    Ground,
+    /// Cloud, where its opacity reaches what was asked.
+    Cloud,
+}
+
+/// An answer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sight {
+    /// What hides; `None`: nothing up to the end.
+    pub hider: Option<Hider>,
+    /// From the source to what hides, or to the end.
+    pub range_m: f64,
+    /// That point.
+    pub point: Geodetic,
+    /// Opacity of the cloud up to that point, 0 to 1.
+    pub opacity: f64,
+}
+
+impl Ray {
+    /// From point to point.
+    pub fn between(from: Geodetic, to: &Geodetic) -> Self {
+        let way = to_ecef(to) - to_ecef(&from);
+        let direction = way.try_normalize().unwrap_or(DVec3::X);
+        Self { from, direction, from_m: 0.0, to_m: way.length(), opaque: None, ground: true }
+    }
+}
+
+/// Follows a ray.
+pub fn sight(snapshot: &Snapshot, ray: &Ray) -> Sight {
+    let origin = to_ecef(&ray.from);
+    let ground_m = ground::hit_m(origin, ray.direction).filter(|hit_m| *hit_m >= ray.from_m && ray.ground);
+    let end_m = ground_m.unwrap_or(f64::INFINITY).min(ray.to_m).max(0.0);
+    let (cloud_m, opacity) = cloud(snapshot, ray, end_m);
+    let (hider, range_m) = match (cloud_m, ground_m) {
+        (Some(cloud_m), _) => (Some(Hider::Cloud), cloud_m),
+        (None, Some(ground_m)) if ground_m <= ray.to_m => (Some(Hider::Ground), ground_m),
+        _ => (None, ray.to_m),
+    };
+    Sight { hider, range_m, point: from_ecef(origin + ray.direction * range_m), opacity }
+}
+
+/// Where cloud reaches the opacity asked, and the opacity there or at the end.
+fn cloud(snapshot: &Snapshot, ray: &Ray, end_m: f64) -> (Option<f64>, f64) {
+    let field = Field::around(snapshot, &ray.from);
+    let Some([low_m, high_m]) = field.cloud_heights_m() else { return (None, 0.0) };
+    let direction = (enu(&ray.from).transpose() * ray.direction).as_vec3();
+    let inside = |range_m: f64| {
+        let height_m = field.height_m(direction, range_m as f32);
+        (low_m..=high_m).contains(&height_m)
+    };
+    let begin_m = ray.from_m.clamp(0.0, end_m);
+    let step_m = ((end_m - begin_m) / MOST_STEPS).max(STEP_M);
+    let mut depth = 0.0;
+    let mut at_m = begin_m;
+    while at_m < end_m {
+        let length_m = step_m.min(end_m - at_m);
+        let middle_m = at_m + 0.5 * length_m;
+        if inside(middle_m) {
+            let more = f64::from(field.cloud_per_m(direction, middle_m as f32)) * length_m;
+            if let Some(opaque) = ray.opaque {
+                let enough = -(1.0 - opaque.clamp(0.0, 1.0 - 1e-6)).ln();
+                // Any cloud at all, for an opacity of 0.
+                if more > 0.0 && depth + more >= enough {
+                    let share = ((enough - depth) / more).clamp(0.0, 1.0);
+                    return (Some(at_m + share * length_m), opaque);
+                }
+            }
+            depth += more;
+        }
+        at_m += length_m;
+    }
+    (None, 1.0 - (-depth).exp())
+}
