@@ -1,7 +1,9 @@
 //! Settings: the configuration file checked as a whole, all complaints at once.
 
+mod cigi;
 mod scenarios;
 
+pub use cigi::{ByteOrderChoice, CigiSettings};
 pub use scenarios::{BUILT_IN_SCENARIOS, built_in, text_of};
 
 use crate::wire::control::names::DeckFormName;
@@ -61,6 +63,8 @@ pub struct Settings {
     pub slow_client_s: f64,
     /// What is logged, as `tracing` filters say it: `info`, `stormdeck=debug`.
     pub log: String,
+    /// The CIGI port; `None`: there is none.
+    pub cigi: Option<CigiSettings>,
 }
 
 /// What draws.
@@ -138,6 +142,38 @@ struct SettingsFile {
     /// What is logged, as `tracing` filters say it: `info`, `stormdeck=debug`.
     #[schemars(length(min = limits::SETTINGS_TEXT_LENGTH.min, max = limits::SETTINGS_TEXT_LENGTH.max))]
     log: String,
+    /// Address and port on which CIGI hosts are listened to by UDP, as 0.0.0.0:8004; without it there is no CIGI.
+    #[schemars(length(min = limits::SETTINGS_TEXT_LENGTH.min, max = limits::SETTINGS_TEXT_LENGTH.max))]
+    cigi_listen: Option<String>,
+    /// Address and port of the CIGI host; without it both are learned from the first valid datagram.
+    #[schemars(length(min = limits::SETTINGS_TEXT_LENGTH.min, max = limits::SETTINGS_TEXT_LENGTH.max))]
+    cigi_host: Option<String>,
+    /// Port of a learned CIGI host to which answers go, as 8005; without it the port that it sends from.
+    #[schemars(range(min = 1))]
+    cigi_reply_port: Option<u16>,
+    /// Addresses that may be CIGI host; none: any.
+    #[schemars(length(max = limits::SETTINGS_LIST), inner(length(min = limits::SETTINGS_TEXT_LENGTH.min, max = limits::SETTINGS_TEXT_LENGTH.max)))]
+    cigi_allow: Vec<String>,
+    /// Multicast group on which CIGI hosts are listened to as well.
+    #[schemars(length(min = limits::SETTINGS_TEXT_LENGTH.min, max = limits::SETTINGS_TEXT_LENGTH.max))]
+    cigi_multicast: Option<String>,
+    /// Synchronous operation: the server's frames are the clock, and each waits for its picture.
+    cigi_synchronous: bool,
+    /// Byte order of what is sent to the CIGI host; what it sends is understood in either.
+    cigi_byte_order: ByteOrderChoice,
+    /// Start of Frame messages a second.
+    #[schemars(range(min = limits::CIGI_RATE_HZ.min, max = limits::CIGI_RATE_HZ.max))]
+    cigi_rate_hz: f64,
+    /// Seconds of silence after which the CIGI host is taken to be gone.
+    #[schemars(range(min = limits::CIGI_SILENCE_S.min, max = limits::CIGI_SILENCE_S.max))]
+    cigi_silence_s: f64,
+    /// Whether the CIGI host chooses the database, of which there is one, number 1; else it is the server's, number 0.
+    cigi_host_chooses_database: bool,
+    /// Height of mean sea level above the WGS84 ellipsoid where CIGI hosts fly: their altitudes count from there.
+    #[schemars(range(min = limits::SEA_LEVEL_M.min, max = limits::SEA_LEVEL_M.max))]
+    cigi_sea_level_m: f64,
+    /// Seed of the storms that CIGI hosts ask for.
+    cigi_seed: u32,
 }
 
 impl Default for Settings {
@@ -214,6 +250,7 @@ impl Settings {
                 return None;
             }
         };
+        let cigi = cigi::from_file(&file, complain);
         let settings = Self {
             listen,
             token: file.token,
@@ -235,6 +272,7 @@ impl Settings {
             step_memory_mib: file.step_memory_mib,
             slow_client_s: file.slow_client_s,
             log: file.log,
+            cigi,
         };
         settings.contradictions().into_iter().for_each(complain);
         Some(settings)

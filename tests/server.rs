@@ -8,11 +8,15 @@
 mod executor;
 #[path = "server/harness.rs"]
 mod harness;
+#[path = "tshark/mod.rs"]
+mod tshark;
 
 #[path = "server/access.rs"]
 mod access;
 #[path = "server/answers.rs"]
 mod answers;
+#[path = "server/cigi.rs"]
+mod cigi;
 #[path = "server/every_field/mod.rs"]
 mod every_field;
 #[path = "server/faults.rs"]

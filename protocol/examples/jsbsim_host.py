@@ -11,6 +11,7 @@ import pathlib
 import sys
 import time
 
+import cigi_flight
 from flight import Flight
 from link import Link, Wrong
 
@@ -32,6 +33,10 @@ def options():
     parser.add_argument("--format", choices=["jpeg", "png"], default="jpeg")
     parser.add_argument("--every", type=int, default=100, help="saves every n-th picture; 0 saves none")
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("flight"), help="folder for the pictures")
+    parser.add_argument("--cigi", choices=["3.3", "4.0"], help="speaks CIGI of this version in place of the WebSocket")
+    parser.add_argument("--cigi-to", default="127.0.0.1:8004", help="where the server listens for CIGI")
+    parser.add_argument("--cigi-port", type=int, default=8005, help="UDP port to listen on, and to send from")
+    parser.add_argument("--cigi-byte-order", choices=["little", "big"], default="little", help="of what is sent")
     return parser.parse_args()
 
 
@@ -149,6 +154,12 @@ def fly(link, args):
 def main():
     """Connects, flies, reports."""
     args = options()
+    if args.cigi:
+        try:
+            print(cigi_flight.fly(Flight(), args).summary())
+        except cigi_flight.Wrong as wrong:
+            sys.exit(f"wrong: {wrong}")
+        return
     try:
         with Link(args.to, args.token, args.out if args.every else None, args.every) as link:
             print(f"connected: {link.welcome['server']}, drawn by {link.welcome['executor']}", flush=True)

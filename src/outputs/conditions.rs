@@ -101,6 +101,76 @@ fn mix(a: &AirMass, b: &AirMass, share: f64) -> AirMass {
         pressure_hpa: between(a.pressure_hpa, b.pressure_hpa),
         wind_speed_mps: north.hypot(east),
         updraft_mps: between(a.updraft_mps, b.updraft_mps),
-        wind_from_deg: if calm { between(a.wind_from_deg, b.wind_from_deg) } else { east.atan2(north).to_degrees().rem_euclid(360.0) },
+        wind_from_deg: if calm {
+            between(a.wind_from_deg, b.wind_from_deg)
+        } else {
+            east.atan2(north).to_degrees().rem_euclid(360.0)
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::scenes::{clear_day, place};
+
+    #[test]
+    fn the_standard_atmosphere_is_that_of_its_tables() {
+        // ISO 2533, tables of temperature (K) and pressure (hPa) by geopotential height.
+        for (height_m, kelvin, hpa) in
+            [(0.0, 288.15, 1_013.25), (5_000.0, 255.65, 540.20), (11_000.0, 216.65, 226.32), (15_000.0, 216.65, 120.45)]
+        {
+            let air = standard(&AirMass::default(), height_m);
+            // The table is rounded to the last digit printed.
+            assert!((air.temperature_c + 273.15 - kelvin).abs() < 0.006, "{height_m}: {air:?}");
+            assert!((air.pressure_hpa - hpa).abs() < 0.006, "{height_m}: {air:?}");
+        }
+    }
+
+    fn layer(base_m: f64, temperature_c: f64) -> AirLayer {
+        AirLayer {
+            layer_id: 4,
+            region: None,
+            merges: true,
+            merges_aerosol: true,
+            base_m,
+            top_m: base_m + 1_000.0,
+            below_m: 200.0,
+            above_m: 0.0,
+            air: AirMass { temperature_c, wind_speed_mps: 10.0, wind_from_deg: 350.0, ..AirMass::default() },
+            visibility_m: Some(2_000.0),
+            aerosol_g_per_m3: 2.5,
+        }
+    }
+
+    #[test]
+    fn a_layer_rules_inside_and_fades_over_its_band() {
+        let mut snapshot = clear_day();
+        snapshot.weather.layers.clear();
+        let global = AirMass { wind_speed_mps: 10.0, wind_from_deg: 10.0, ..AirMass::default() };
+        let air = Air { global, sea_level_m: 0.0, layers: vec![layer(2_000.0, -20.0)] };
+        let at = |altitude_m: f64| conditions(&snapshot, &air, &place(47.0, 8.0, altitude_m));
+        assert_eq!((at(2_500.0).air.temperature_c, at(2_500.0).aerosols), (-20.0, vec![(4, 2.5)]));
+        // Half-way down the band: half of each, aerosol too; and the wind goes from 350 to 10 by way of north.
+        let half = at(1_900.0);
+        let around = standard(&global, 1_900.0);
+        assert!((half.air.temperature_c - 0.5 * (around.temperature_c - 20.0)).abs() < 1e-9);
+        assert_eq!(half.aerosols, [(4, 1.25)]);
+        assert!(half.air.wind_from_deg < 1e-9 || half.air.wind_from_deg > 360.0 - 1e-9, "{half:?}");
+        assert_eq!((at(3_001.0).aerosols.len(), at(1_799.0).aerosols.len()), (0, 0));
+        // Extinctions add: 2.996 / 2000 m and the haze of the clear day.
+        let clear = conditions(&snapshot, &Air::default(), &place(47.0, 8.0, 2_500.0)).visibility_m;
+        let expected = 1.0 / (1.0 / 2_000.0 + 1.0 / clear);
+        assert!((at(2_500.0).visibility_m / expected - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn haze_near_the_ground_is_the_visibility_that_was_asked_for() {
+        let mut snapshot = clear_day();
+        snapshot.weather.layers.clear();
+        snapshot.weather.visibility_m = 8_000.0;
+        let found = conditions(&snapshot, &Air::default(), &place(47.0, 8.0, 2.0)).visibility_m;
+        // At 2 m of a haze that falls to 1/e in 1200 m, less than 0.2 % away; f32 on the way.
+        assert!((found / 8_000.0 - 1.0).abs() < 0.002, "{found}");
     }
 }

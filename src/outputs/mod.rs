@@ -6,7 +6,6 @@ pub mod field;
 pub mod ground;
 pub mod sight;
 
-
 use crate::plan::{FramePlan, Output, plan};
 use crate::world::event::{Event, Refused};
 use crate::world::snapshot::{Snapshot, ViewState};

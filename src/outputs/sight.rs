@@ -107,3 +107,73 @@ fn cloud(snapshot: &Snapshot, ray: &Ray, end_m: f64) -> (Option<f64>, f64) {
     }
     (None, 1.0 - (-depth).exp())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clouds::CloudKind;
+    use crate::outputs::air::Air;
+    use crate::outputs::conditions::conditions;
+    use crate::plan::scenes::{clear_day, layer, place};
+
+    /// A closed deck of stratus, so dense that it is whole all through, and a ray straight up through it.
+    fn overcast() -> (Snapshot, Geodetic) {
+        let mut snapshot = clear_day();
+        let from = place(47.0, 8.0, 200.0);
+        snapshot.weather.layers = vec![layer(CloudKind::Stratus, 1_000.0, 400.0)];
+        snapshot.weather.layers[0].coverage = 1.0;
+        (snapshot, from)
+    }
+
+    fn up(from: &Geodetic) -> Ray {
+        Ray { direction: enu(from).z_axis, ..Ray::between(*from, &Geodetic { altitude_m: 3_000.0, ..*from }) }
+    }
+
+    #[test]
+    fn a_slab_transmits_what_its_extinction_says() {
+        let (snapshot, from) = overcast();
+        let sigma = f64::from(CloudKind::Stratus.appearance().extinction_per_m) * snapshot.weather.layers[0].density;
+        // The same field, asked point by point on the way up every metre: what the slab is made of, whatever its edges are.
+        let field = Field::around(&snapshot, &from);
+        let depth: f64 = (0..2_800).map(|m| f64::from(field.cloud_per_m(glam::Vec3::Z, m as f32 + 0.5))).sum();
+        assert!(depth > 0.5 * sigma * 400.0 && depth <= sigma * 400.0 * 1.000_1, "{depth} of {}", sigma * 400.0);
+        let seen = sight(&snapshot, &up(&from));
+        assert_eq!(seen.hider, None);
+        // Steps of 15 m against 1 m: each of the slab's two soft edges is off by less than a step of its extinction.
+        let expected = -(1.0 - seen.opacity).ln();
+        assert!((expected - depth).abs() < 15.0 * sigma, "{expected} {depth}");
+        // Half hidden: after ln 2 of optical depth, a little above the base.
+        let half = sight(&snapshot, &Ray { opaque: Some(0.5), ..up(&from) });
+        assert_eq!(half.hider, Some(Hider::Cloud));
+        let mut sum = 0.0;
+        let met = (0..2_800).find(|m| {
+            sum += f64::from(field.cloud_per_m(glam::Vec3::Z, *m as f32 + 0.5));
+            sum >= std::f64::consts::LN_2
+        });
+        let met_m = f64::from(met.expect("dense enough"));
+        assert!((half.range_m - met_m).abs() < 15.0 && half.opacity == 0.5, "{half:?} {met_m}");
+        // Visibility inside: 2.996 / extinction of what is there.
+        let inside = Geodetic { altitude_m: 1_200.0, ..from };
+        let found = conditions(&snapshot, &Air::default(), &inside).visibility_m;
+        let there = f64::from(Field::around(&snapshot, &inside).cloud_per_m(glam::Vec3::Z, 0.0));
+        assert!(there > 0.0 && found <= 2.996 / there, "{found} {there}");
+    }
+
+    #[test]
+    fn the_ground_hides_what_is_behind_the_horizon() {
+        let mut snapshot = clear_day();
+        snapshot.weather.layers.clear();
+        let from = place(47.0, 8.0, 100.0);
+        // 10 km away at 100 m: visible. 100 km away at 100 m: the horizons of two eyes at 100 m are 36 km away each.
+        assert_eq!(sight(&snapshot, &Ray::between(from, &place(47.09, 8.0, 100.0))).hider, None);
+        let far = sight(&snapshot, &Ray::between(from, &place(47.9, 8.0, 100.0)));
+        assert_eq!(far.hider, Some(Hider::Ground));
+        assert!((30_000.0..40_000.0).contains(&far.range_m) && far.point.altitude_m.abs() < 1e-3, "{far:?}");
+        let through = Ray { ground: false, ..Ray::between(from, &place(47.9, 8.0, 100.0)) };
+        assert_eq!(sight(&snapshot, &through).hider, None);
+        let down = Ray { direction: -enu(&from).z_axis, to_m: 50.0, ..up(&from) };
+        assert_eq!(sight(&snapshot, &down).hider, None, "it ends before the ground");
+        assert!((sight(&snapshot, &Ray { to_m: 500.0, ..down }).range_m - 100.0).abs() < 1e-6);
+        assert_eq!(sight(&snapshot, &Ray { to_m: 500.0, from_m: 200.0, ..down }).hider, None, "nearer than asked");
+    }
+}

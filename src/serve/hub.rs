@@ -14,7 +14,7 @@ use axum::body::Bytes;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use tokio::sync::oneshot;
+use tokio::sync::{mpsc, oneshot};
 
 /// One connected client, as the rest of the server sees it.
 pub(super) struct Client {
@@ -80,6 +80,8 @@ pub(super) struct Hub {
     asks: Mutex<Vec<Ask>>,
     newest: Mutex<BTreeMap<String, Arc<Frame>>>,
     next_client: AtomicU64,
+    /// Who hears of the world's events beside the clients.
+    listener: Mutex<Option<mpsc::Sender<Event>>>,
     inbox: Arc<Inbox>,
     metrics: Arc<Metrics>,
     frames_per_view: usize,
@@ -93,6 +95,7 @@ impl Hub {
             asks: Mutex::default(),
             newest: Mutex::default(),
             next_client: AtomicU64::new(1),
+            listener: Mutex::default(),
             inbox,
             metrics,
             frames_per_view,
@@ -186,8 +189,20 @@ impl Hub {
         answered
     }
 
+    /// The events of the world as values, for one listener inside the server; at most so many wait.
+    pub(super) fn listen(&self, waiting: usize) -> mpsc::Receiver<Event> {
+        let (listener, events) = mpsc::channel(waiting);
+        *lock(&self.listener) = Some(listener);
+        events
+    }
+
     /// Tells everybody what happened in the world.
     pub(super) fn tell(&self, event: &Event) {
+        if let Some(listener) = &*lock(&self.listener)
+            && listener.try_send(event.clone()).is_err()
+        {
+            self.metrics.events_dropped.fetch_add(1, Relaxed);
+        }
         if let Some(message) = EventMessage::from_world(event) {
             self.broadcast(&Outbound::Event(message));
         }

@@ -1,8 +1,10 @@
 //! Numbers for operators: counted where things happen, read by `/metrics`, telemetry and the statistics query alike.
 
+use super::cigi::counters::Counters;
 use crate::frame::LatencyStamps;
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt::Write as _;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
@@ -46,6 +48,8 @@ pub(super) struct Metrics {
     pub(super) gpu_objects: AtomicU64,
     /// Simulation time, bits of an f64.
     simulation_time: AtomicU64,
+    /// The CIGI port.
+    pub(super) cigi: Arc<Counters>,
     executor: Mutex<String>,
     views: Mutex<BTreeMap<String, ViewCounts>>,
     /// From the plan to the pixels.
@@ -121,6 +125,7 @@ impl Metrics {
             step_bytes: zero(),
             gpu_objects: zero(),
             simulation_time: zero(),
+            cigi: Arc::default(),
             executor: Mutex::default(),
             views: Mutex::default(),
             render: Summary::default(),
@@ -170,6 +175,7 @@ impl Metrics {
     /// Prometheus text.
     pub(super) fn text(&self) -> String {
         let mut out = String::with_capacity(4096);
+        self.cigi.text(&mut out);
         let counters: [(&str, &str, u64); 10] = [
             ("messages_total", "Messages read from clients", self.messages.load(Relaxed)),
             ("refusals_total", "Messages refused with a reason", self.refusals.load(Relaxed)),

@@ -6,6 +6,7 @@
 mod access;
 mod app;
 mod backoff;
+mod cigi;
 pub mod client;
 mod client_task;
 mod dispatch;
@@ -109,6 +110,11 @@ pub async fn run(
     let _stops_drawing = StopOnDrop(Arc::clone(&inbox));
     let hub = Arc::new(Hub::new(Arc::clone(&inbox), Arc::clone(&metrics), settings.queue_frames as usize));
 
+    let cigi_port = match settings.cigi.clone() {
+        Some(settings) => Some((cigi::bind(&settings).await?, settings, hub.listen(cigi::EVENTS_WAITING))),
+        None => None,
+    };
+    let cigi_address = cigi_port.as_ref().and_then(|(socket, ..)| socket.local_addr().ok());
     let mut world = WorldTask::new(
         new_world(&settings),
         Arc::clone(&inbox),
@@ -143,6 +149,9 @@ pub async fn run(
         stop: stop.clone(),
         kill: kill.clone(),
     });
+    if let Some((socket, settings, events)) = cigi_port {
+        tasks.spawn(cigi::run(socket, settings, Arc::clone(&app), events, stop.clone()));
+    }
     tasks.spawn(statistics::telemetry(Arc::clone(&app)));
 
     let connections = app.settings.max_clients as usize + SPARE_CONNECTIONS;
@@ -150,6 +159,9 @@ pub async fn run(
     let service = app::router(app).into_make_service_with_connect_info::<socket::Peer>();
     let serving = axum::serve(doorman, service).with_graceful_shutdown(stop.clone().cancelled_owned());
     let mut serving = tokio::spawn(serving.into_future());
+    if let Some(address) = cigi_address {
+        tracing::info!(%address, "listening for CIGI hosts");
+    }
     tracing::info!(
         page = %format_args!("http://{address}/"),
         websocket = %format_args!("ws://{address}/ws"),

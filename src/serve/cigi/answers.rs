@@ -9,9 +9,9 @@ use crate::outputs::ground::{self, hat_hot};
 use crate::outputs::sight::{Hider, Ray, Sight, sight};
 use crate::units::deg;
 use crate::wire::cigi::packets::{
-    AerosolConcentrationResponse, EnvironmentalConditionsRequest, HatHotExtendedResponse, HatHotRequest, HatHotResponse,
-    LineOfSightExtendedResponse, LineOfSightResponse, LineOfSightSegmentRequest, LineOfSightVectorRequest, Packet,
-    WeatherConditionsResponse,
+    AerosolConcentrationResponse, EnvironmentalConditionsRequest, HatHotExtendedResponse, HatHotRequest,
+    HatHotResponse, LineOfSightExtendedResponse, LineOfSightResponse, LineOfSightSegmentRequest,
+    LineOfSightVectorRequest, Packet, WeatherConditionsResponse,
 };
 use crate::wire::cigi::scene::Entities;
 use crate::wire::limits::{CIGI_PERIODIC_QUESTIONS, CIGI_QUESTIONS};
@@ -84,7 +84,9 @@ fn carrier(question: &Packet) -> Option<u16> {
         Packet::LineOfSightSegmentRequest(request) => {
             request.source_point_coordinate_system.then_some(request.source_entity_id)
         }
-        Packet::LineOfSightVectorRequest(request) => request.source_point_coordinate_system.then_some(request.entity_id),
+        Packet::LineOfSightVectorRequest(request) => {
+            request.source_point_coordinate_system.then_some(request.entity_id)
+        }
         _ => None,
     }
 }
@@ -223,7 +225,13 @@ impl Known {
             }
             .into();
         }
-        let empty = LineOfSightExtendedResponse { los_id, host_frame_number_lsn, response_count: 1, alpha: 0, ..Default::default() };
+        let empty = LineOfSightExtendedResponse {
+            los_id,
+            host_frame_number_lsn,
+            response_count: 1,
+            alpha: 0,
+            ..Default::default()
+        };
         let Some(found) = found else { return empty.into() };
         let Some([lat_xoff, lon_yoff, alt_zoff]) = self.told(&found.point, asked) else { return empty.into() };
         let (material_code, [red, green, blue], normal_vector_elevation) = match found.hider {
@@ -305,4 +313,3 @@ struct Asked {
     geodetic: bool,
     entity: u16,
 }
-

@@ -1,8 +1,8 @@
 //! The handshake: modes, frame counters, time stamps and the database number, as a value without sockets or clocks.
 
+use crate::wire::cigi::Version;
 use crate::wire::cigi::message::BYTE_SWAP_MAGIC;
 use crate::wire::cigi::packets::{IgControl, StartOfFrame};
-use crate::wire::cigi::Version;
 
 /// Length of a tick of a time stamp.
 const TICK_US: u64 = 10;

@@ -2,12 +2,12 @@
 
 use super::super::app::App;
 use super::super::roles::Claim;
+use super::super::step::Outcome;
 use super::super::world_task::Request;
 use super::answers::{Known, Questions};
 use super::counters::Counters;
 use super::link::{Link, Mode};
 use super::outbox::Outbox;
-use super::super::step::Outcome;
 use crate::settings::CigiSettings;
 use crate::wire::cigi::message::{Opening, opening};
 use crate::wire::cigi::packets::{EventNotification, IgControl, ImageGeneratorMessage, Packet};
@@ -118,7 +118,9 @@ impl Session {
         Counters::add(&self.counters.skipped, message.skipped.len() as u64);
         if let Some(skipped) = message.skipped.first() {
             let (id, name) = (skipped.packet_id, others::name_of(message.version, skipped.packet_id));
-            self.log(now_us, || format!("{from}: {} packets skipped, the first is {id}, {name}", message.skipped.len()));
+            self.log(now_us, || {
+                format!("{from}: {} packets skipped, the first is {id}, {name}", message.skipped.len())
+            });
         }
         let heard = self.link.hear(control);
         Counters::add(&self.counters.lost, heard.lost.into());
@@ -186,7 +188,11 @@ impl Session {
         }
         let to = self.answer_to()?;
         if self.settings.synchronous && self.peer.is_some() && self.link.mode() != Mode::Standby {
-            if self.drawing.as_mut().is_some_and(|drawing| matches!(drawing.try_recv(), Err(oneshot::error::TryRecvError::Empty))) {
+            if self
+                .drawing
+                .as_mut()
+                .is_some_and(|drawing| matches!(drawing.try_recv(), Err(oneshot::error::TryRecvError::Empty)))
+            {
                 // Frames are as long as their pictures take.
                 return None;
             }
@@ -222,7 +228,9 @@ impl Session {
             Some(_) => true,
             None => peer.from == from,
         });
-        known && host.is_none_or(|host| same(host, from.ip())) && (allow.is_empty() || allow.iter().any(|ip| same(*ip, from.ip())))
+        known
+            && host.is_none_or(|host| same(host, from.ip()))
+            && (allow.is_empty() || allow.iter().any(|ip| same(*ip, from.ip())))
     }
 
     /// Where answers go.

@@ -85,7 +85,7 @@ packets! {
         /// Component state: 0..255.
         component_state: u8, at(7), at(7), used("1: strike, or event enabled; 0: event disabled");
         /// Data 1: byte-swapped as one 32-bit word whatever it holds.
-        data_1: u32, at(8), at(16), used("strike: layer id; 0: the lowest");
+        data_1: u32, at(8), at(16), used("strike: global layer in whose extent it falls; 0: the first with cloud");
         /// Data 2: as sent by the host.
         data_2: u32, at(12), at(20), used("strike: peak current in kA, f32, 0: drawn by chance");
     }
@@ -109,13 +109,13 @@ packets! {
     /// ```
     EventNotification "Event Notification" IgToHost, fixed(116, 16), fixed(0x0ff1, 24), {
         /// Event id: IG-defined; enable/disable by Component Control class 12.
-        event_id: u16, at(2), at(4), sent("19539: a strike is shown; 19540: a strike was missed");
+        event_id: u16, at(2), at(4), sent("19539: a strike is shown; 19540: a strike was over before a picture could show it");
         /// Event data 1: byte-swapped as one 32-bit word whatever it holds.
-        event_data_1: u32, at(4), at(8), sent("number of the strike");
+        event_data_1: u32, at(4), at(8), sent("number of the strike; 0: one of a storm or of layer 10");
         /// Event data 2: as sent by the host.
-        event_data_2: u32, at(8), at(12), sent("frame number (IG) of the first frame that shows it");
+        event_data_2: u32, at(8), at(12), sent("peak current in kA, f32, negative: negative polarity; 0: drawn by chance");
         /// Event data 3: as sent by the host.
-        event_data_3: u32, at(12), at(16), sent("peak current in kA, f32");
+        event_data_3: u32, at(12), at(16), sent("number of the first picture that shows it, in its view; 0xffffffff: missed");
     }
 
     /// A text for a person at the host.

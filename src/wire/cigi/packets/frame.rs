@@ -46,7 +46,7 @@ packets! {
         /// Timestamp: 10 us, wraps after ~11.9 h.
         timestamp: u32, at(12), at(16), used("time between positions, from which motion follows");
         /// Last ig frame number: 0..2^32-1; IG Frame Number of the last SOF received.
-        last_ig_frame_number: u32, at(16), at(12), used("delay of the host in our frames; in synchronous operation which Start of Frame is answered");
+        last_ig_frame_number: u32, at(16), at(12), used("delay of the host in our frames; in synchronous operation whether the newest Start of Frame is answered");
         /// Entity type substitution enable: 0 Disable, 1 Enable; IG may substitute an unknown entity type.
         entity_type_substitution_enable: bool, absent(), bit(6, 0), ignored("no models are drawn");
     }
@@ -97,7 +97,7 @@ packets! {
         /// Last host frame number: 0..2^32-1; Host Frame Number of the last IG Control received.
         last_host_frame_number: u32, at(16), at(16), sent("of the last IG Control received");
         /// Overframing: 0/1; position disputed,.
-        overframing: bool, absent(), disputed(20, 0), sent("1 when a frame was drawn later than its time");
+        overframing: bool, absent(), disputed(20, 0), sent("1 when this message is later than half a frame");
         /// Paging: 0/1.
         paging: bool, absent(), disputed(20, 1), sent("0: nothing is paged in");
         /// Excessive variable length data: 0/1.

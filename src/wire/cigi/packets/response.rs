@@ -32,7 +32,7 @@ packets! {
         /// (meaningful for periodic requests).
         host_frame_number_lsn: u8, bits(4, 4, 4), bits(4, 4, 4), sent("low four bits of the host frame number that the answer belongs to");
         /// Height: m; HAT or HOT.
-        height: f64, at(8), at(8), sent("height above terrain, or of terrain; 0 when not valid");
+        height: f64, at(8), at(8), sent("height above terrain, or of terrain above mean sea level; 0 when not valid");
     }
 
     /// Answers a HAT/HOT Request of type Extended.
@@ -77,11 +77,11 @@ packets! {
         /// Hot: m; terrain height above MSL.
         hot: f64, at(16), at(16), sent("height of terrain");
         /// Material code: IG-defined.
-        material_code: u32, at(24), at(24), sent("1 ground, 2 water");
+        material_code: u32, at(24), at(24), sent("1 ground");
         /// Normal vector azimuth: deg, -180..180.
-        normal_vector_azimuth: f32, at(28), at(28), sent("of the ground");
+        normal_vector_azimuth: f32, at(28), at(28), sent("of the ground, which is level");
         /// Normal vector elevation: deg, -90..90.
-        normal_vector_elevation: f32, at(32), at(32), sent("of the ground");
+        normal_vector_elevation: f32, at(32), at(32), sent("of the ground, which is level");
     }
 
     /// Answers a basic line of sight request.
@@ -109,7 +109,7 @@ packets! {
         /// Valid: 0 Invalid, 1 Valid; 0 = no intersection / cannot compute.
         valid: bool, bit(4, 0), bit(8, 0), sent("1, or 0 when there is no answer");
         /// Entity id valid: 0 Invalid, 1 Valid; intersection is with an entity.
-        entity_id_valid: bool, bit(4, 1), bit(8, 1), sent("0: no entity hides");
+        entity_id_valid: bool, bit(4, 1), bit(8, 1), sent("0: entities are not drawn and hide nothing");
         /// Visible: 0 Occluded, 1 Visible; segment requests only.
         visible: bool, bit(4, 2), bit(8, 2), sent("1 when nothing hides the destination");
         /// Host frame number lsn: 0..15; low 4 bits of the Host Frame Number of the last IG Control used
@@ -170,7 +170,7 @@ packets! {
         /// Valid: 0 Invalid, 1 Valid.
         valid: bool, bit(4, 0), bit(8, 0), sent("1, or 0 when there is no answer");
         /// Entity id valid: 0 Invalid, 1 Valid.
-        entity_id_valid: bool, bit(4, 1), bit(8, 1), sent("0: no entity hides");
+        entity_id_valid: bool, bit(4, 1), bit(8, 1), sent("0: entities are not drawn and hide nothing");
         /// Range valid: 0 Invalid, 1 Valid.
         range_valid: bool, bit(4, 2), bit(8, 2), sent("1 when there is a point");
         /// Visible: 0 Occluded, 1 Visible; segment requests only.
@@ -200,7 +200,7 @@ packets! {
         /// Alpha: 0..255.
         alpha: u8 = 255, at(43), at(51), sent("opacity up to the point, of 255");
         /// Material code: IG-defined.
-        material_code: u32, at(44), at(52), sent("1 ground, 2 water, 3 cloud");
+        material_code: u32, at(44), at(52), sent("1 ground, 3 cloud");
         /// Normal vector azimuth: deg, -180..180.
         normal_vector_azimuth: f32, at(48), at(56), sent("of the surface");
         /// Normal vector elevation: deg, -90..90.
@@ -238,7 +238,7 @@ packets! {
         /// Air temperature: deg C.
         air_temperature: f32, at(4), at(8), sent("at the point");
         /// Visibility range: m, >=0.
-        visibility_range: f32, at(8), at(12), sent("3.912 / extinction of the field that is drawn, haze and cloud");
+        visibility_range: f32, at(8), at(12), sent("2.996 / extinction of the field that is drawn, haze and cloud (5 % contrast)");
         /// Horizontal wind speed: m/s, >=0.
         horizontal_wind_speed: f32, at(12), at(16), sent("at the point");
         /// Vertical wind speed: m/s; + = updraft.

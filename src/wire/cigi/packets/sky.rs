@@ -37,13 +37,13 @@ packets! {
         /// Moon enable: 0 Disable, 1 Enable.
         moon_enable: bool, bit(4, 2), bit(4, 2), used("0: no moon");
         /// Star field enable: 0 Disable, 1 Enable.
-        star_field_enable: bool, bit(4, 3), bit(4, 3), used("0: no stars");
+        star_field_enable: bool, bit(4, 3), bit(4, 3), used("0: no starlight");
         /// Date time valid: 0 Invalid, 1 Valid; 0 = ignore hour, minute, date.
         date_time_valid: bool, bit(4, 4), bit(4, 4), used("whether date and time count");
         /// Date: MMDDYYYY decimal; month*1000000 + day*10000 + year.
         date: u32 = 1_012_000, at(8), at(12), used("the date, UTC");
         /// Star field intensity: %, 0..100.
-        star_field_intensity: f32, at(12), at(16), used("brightness of the stars");
+        star_field_intensity: f32, at(12), at(16), used("how much the stars add to the light of the night; they are not drawn one by one");
         /// Seconds: s, 0..59.999..; new in 4.0.
         seconds: f32, absent(), at(8), used("time of day, UTC");
     }

@@ -99,6 +99,6 @@ packets! {
         /// Channel top altitude: m above mean sea level.
         channel_top_altitude: f32, at(36), at(36), used("height of the light, where the altitude is that of the ground: half-way up the channel");
         /// Delay: s, 0..3600.
-        delay: f32, at(40), at(40), used("seconds from this message to the strike");
+        delay: f32, at(40), at(40), used("seconds of simulation from this message to the strike");
     }
 }

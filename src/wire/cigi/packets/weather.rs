@@ -52,7 +52,7 @@ packets! {
         entity_region_id: u16, at(2), at(8), used("which region or entity");
         /// Layer id: 0 Ground Fog, 1-3 Cloud Layer 1-3, 4 Rain, 5 Snow, 6 Sleet, 7 Hail, 8 Sand, 9 Dust, 10-255 IG-
         /// defined; ignored for scope Entity.
-        layer_id: u8, at(4), at(4), used("which layer: 0 ground fog, 1 to 3 and 10 to 17 cloud; precipitation and dust are kept for answers");
+        layer_id: u8, at(4), at(4), used("which layer: 0 ground fog, 1 to 3 and 11 to 15 cloud, 10 a strike of lightning each time; others count for answers alone");
         /// Humidity: %, 0..100.
         humidity: u8, at(5), at(5), used("answered by Weather Conditions in the layer");
         /// Weather enable: 0 Disable, 1 Enable.
@@ -65,7 +65,7 @@ packets! {
         random_lightning_enable: bool, bit(6, 3), bit(6, 3), used("a seeded storm in the extent of the layer");
         /// Cloud type: 0 None, 1 Altocumulus, 2 Altostratus, 3 Cirrocumulus, 4 Cirrostratus, 5 Cirrus, 6
         /// Cumulonimbus, 7 Cumulus, 8 Nimbostratus, 9 Stratocumulus, 10 Stratus, 11-15 Other.
-        cloud_type: u8, bits(6, 4, 4), bits(6, 4, 4), used("one of ten genera; 0 and 11 to 15: see the text");
+        cloud_type: u8, bits(6, 4, 4), bits(6, 4, 4), used("one of ten genera; 0: no cloud; 11 to 15: stratocumulus, altostratus or cirrostratus by the height of the base");
         /// Scope: 0 Global, 1 Regional, 2 Entity.
         scope: u8, bits(7, 0, 2), bits(7, 0, 2), used("global, regional or of an entity");
         /// Severity: 0 least..5 most severe.
@@ -73,7 +73,7 @@ packets! {
         /// Air temperature: deg C.
         air_temperature: f32, at(8), at(12), used("answered by Weather Conditions in the layer");
         /// Visibility range: m, >=0; inside the layer.
-        visibility_range: f32, at(12), at(16), used("extinction in the layer (3.912 / visibility)");
+        visibility_range: f32, at(12), at(16), used("extinction in the layer: 2.996 / visibility (5 % contrast); 0: that of the genus");
         /// Bottom scud frequency: %, 0..100.
         bottom_scud_frequency: f32, at(16).called("scud_frequency"), at(20), used("coverage of the scud below the base");
         /// Coverage: %, 0..100.

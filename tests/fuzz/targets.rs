@@ -1,0 +1,184 @@
+//! The decoders, each as a function from bytes to an answer in words, with what its corpus begins with.
+
+use std::collections::BTreeSet;
+use stormdeck::frame::LatencyStamps;
+use stormdeck::settings::Settings;
+use stormdeck::wire::cigi::scene::{Consequence, Convention, Moment, Scene};
+use stormdeck::wire::cigi::{ByteOrder, Version, decode, decode_packets, encode, json};
+use stormdeck::wire::{control, frames, scenario};
+use stormdeck::world::{Command, World};
+
+/// A decoder.
+pub struct Target {
+    pub name: &'static str,
+    /// What bending begins with.
+    pub corpus: fn() -> Vec<Vec<u8>>,
+    /// Longest input.
+    pub longest: usize,
+    /// Decodes, checks what must hold of any input, and says what came of it.
+    pub answer: fn(&[u8]) -> String,
+}
+
+pub const CIGI_MESSAGES: Target =
+    Target { name: "cigi messages", corpus: cigi_samples, longest: 2_048, answer: cigi_message };
+pub const CIGI_SCENE: Target = Target { name: "cigi scene", corpus: cigi_samples, longest: 2_048, answer: cigi_scene };
+pub const CIGI_JSON: Target = Target { name: "cigi json", corpus: cigi_texts, longest: 8_192, answer: cigi_text };
+pub const CONTROL: Target = Target {
+    name: "control messages",
+    corpus: || lines(include_str!("corpus/control.jsonl")),
+    longest: 8_192,
+    answer: |input| match control::decode(&String::from_utf8_lossy(input)) {
+        Ok(inbound) => kind(&format!("{:?}", inbound.message)),
+        Err((_, refused)) => words(&refused.to_string()),
+    },
+};
+pub const SCENARIO: Target = Target {
+    name: "scenario files",
+    corpus: || vec![include_bytes!("../../config/scenarios/night-storm.json").to_vec()],
+    longest: 16_384,
+    answer: |input| match scenario::parse(&String::from_utf8_lossy(input)) {
+        Ok(_) => "a scenario".to_owned(),
+        Err(complaints) => complaints.first().map_or_else(String::new, |complaint| words(&complaint.to_string())),
+    },
+};
+pub const SETTINGS: Target = Target {
+    name: "settings files",
+    corpus: || {
+        vec![include_bytes!("../../config/default.json").to_vec(), include_bytes!("../../config/cigi.json").to_vec()]
+    },
+    longest: 8_192,
+    answer: |input| match Settings::parse(&String::from_utf8_lossy(input)) {
+        Ok(_) => "settings".to_owned(),
+        Err(complaints) => complaints.first().map_or_else(String::new, |complaint| words(&complaint.to_string())),
+    },
+};
+pub const FRAMES: Target = Target {
+    name: "frame messages",
+    corpus: || vec![frame()],
+    longest: 4_096,
+    answer: |input| match frames::decode_message(input) {
+        Ok(_) => "a frame".to_owned(),
+        Err(error) => words(&error.to_string()),
+    },
+};
+
+/// A frame of 4 x 2 pixels.
+fn frame() -> Vec<u8> {
+    let stamps = LatencyStamps { received_us: 1, snapshot_us: 2, submitted_us: 3, finished_us: 4 };
+    let header = frames::FrameHeader {
+        format: control::Format::Raw,
+        provisional: false,
+        repeated: false,
+        last_of_step: false,
+        width_px: 4,
+        height_px: 2,
+        host_frame: 5,
+        frame: 6,
+        view: "main".to_owned(),
+        simulation_time_s: 1.5,
+        stamps,
+        encoded_us: 7,
+        sent_us: 8,
+        dropped: 0,
+        payload_bytes: 32,
+    };
+    frames::encode_message(&header, &[9; 32]).expect("a frame")
+}
+
+/// The sample messages and packets of the CIGI Class Library.
+fn cigi_samples() -> Vec<Vec<u8>> {
+    let texts = [
+        include_str!("../../src/wire/cigi/tests/vectors33.json"),
+        include_str!("../../src/wire/cigi/tests/vectors40.json"),
+    ];
+    let samples = texts.iter().flat_map(|text| serde_json::from_str::<Vec<serde_json::Value>>(text).expect("samples"));
+    samples.filter_map(|sample| json::from_hex(sample["hex"].as_str()?)).collect()
+}
+
+fn cigi_texts() -> Vec<Vec<u8>> {
+    let messages = cigi_samples().into_iter().filter_map(|bytes| Some((decode(&bytes).ok()?, bytes)));
+    messages.map(|(message, bytes)| json::show(&message, &bytes).to_string().into_bytes()).collect()
+}
+
+fn cigi_message(input: &[u8]) -> String {
+    let mut said = BTreeSet::new();
+    let alone = Version::ALL
+        .iter()
+        .flat_map(|version| ByteOrder::ALL.iter().map(|order| decode_packets(input, *version, *order)));
+    for outcome in std::iter::once(decode(input)).chain(alone) {
+        match outcome {
+            Ok(message) => {
+                let bytes = encode(&message).expect("what was read fits its bits");
+                let skipped: usize = message.skipped.iter().map(|skipped| skipped.size).sum();
+                assert!(bytes.len() + skipped <= input.len() + 8 * message.packets.len());
+                let again = decode_packets(&bytes, message.version, message.byte_order).expect("our own bytes");
+                assert_eq!(encode(&again).as_deref(), Ok(&bytes[..]), "decoding and encoding agree");
+                said.extend(message.packets.iter().map(|packet| packet.layout().type_name.to_owned()));
+            }
+            Err(rejected) => {
+                said.insert(words(&rejected.to_string()));
+            }
+        }
+    }
+    said.into_iter().collect::<Vec<_>>().join("; ")
+}
+
+/// What a host says reaches the world only finite and in range, whatever it says.
+fn cigi_scene(input: &[u8]) -> String {
+    let Ok(message) = decode(input) else { return "rejected".to_owned() };
+    let mut world = World::new();
+    let mut scene = Scene::new(Convention { sea_level_m: 0.0, seed: 1 });
+    let mut said = BTreeSet::new();
+    for frame in 0..2 {
+        let moment = Moment { host_frame: frame, timestamp: Some(frame * 1_667), extrapolate: true, now_s: 0.0 };
+        for consequence in scene.take(&message, &moment) {
+            let applied = match consequence {
+                Consequence::Command(command) => {
+                    said.insert(kind(&format!("{command:?}")));
+                    world.apply(command).map(|_| ())
+                }
+                Consequence::Strike { request, .. } => world.apply(Command::Strike(request)).map(|_| ()),
+                Consequence::Question(_) => Ok(()),
+                Consequence::Refused(refused) => Err(refused),
+            };
+            said.extend(applied.err().map(|refused| words(&refused.field)));
+        }
+        world.advance_to(0.1 * f64::from(frame));
+        let seen = world.peek(0.02);
+        let place = seen.ownship.position;
+        assert!([place.latitude_rad, place.longitude_rad, place.altitude_m].iter().all(|number| number.is_finite()));
+        let layers = seen.weather.layers.iter().chain(seen.regions.iter().flat_map(|region| &region.weather.layers));
+        for layer in layers {
+            let numbers = [layer.base_m, layer.thickness_m, layer.coverage, layer.density, layer.wind_speed_mps];
+            assert!(
+                numbers.iter().all(|number| number.is_finite()) && (0.0..=1.0).contains(&layer.coverage),
+                "{layer:?}"
+            );
+        }
+        for storm in scene.storms() {
+            storm.flashes(0.0, 1.0);
+        }
+    }
+    said.into_iter().collect::<Vec<_>>().join("; ")
+}
+
+fn cigi_text(input: &[u8]) -> String {
+    match json::encode_json(&String::from_utf8_lossy(input)) {
+        Ok(_) => "a message".to_owned(),
+        Err(wrong) => words(&wrong.to_string()),
+    }
+}
+
+fn lines(text: &str) -> Vec<Vec<u8>> {
+    text.lines().map(|line| line.as_bytes().to_vec()).collect()
+}
+
+/// The first word of a value that was printed.
+fn kind(printed: &str) -> String {
+    printed.chars().take_while(|c| c.is_alphanumeric()).collect()
+}
+
+/// An answer without its numbers and quotations, so that alike complaints count as one.
+fn words(text: &str) -> String {
+    text.split_whitespace().filter(|word| word.chars().all(char::is_alphabetic)).take(12).collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,139 @@
+//! Wireshark's `tshark` as a second opinion: datagrams become a capture file, and what it reads from them is compared with
+//! what we do. Debian's version knows CIGI up to 3.3.
+
+use serde_json::Value;
+use std::path::Path;
+use std::process::Command;
+use stormdeck::wire::cigi::layout::{Part, Value as Ours};
+use stormdeck::wire::cigi::{Packet, Version, decode};
+
+/// Where a datagram went.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    ToServer,
+    ToHost,
+}
+
+/// Whether `tshark` is there. Where it must be (`REQUIRE_TSHARK=1`, as in CI) its absence is a failure.
+pub fn there() -> bool {
+    let found = Command::new("tshark").arg("--version").output().is_ok_and(|output| output.status.success());
+    let required = std::env::var_os("REQUIRE_TSHARK").is_some_and(|value| value == "1");
+    assert!(found || !required, "tshark is required and not there (Debian: apt install tshark)");
+    if !found {
+        eprintln!("tshark is not there: nothing was compared");
+    }
+    found
+}
+
+/// Dissects datagrams of CIGI 3.3 and compares every field of every packet. Returns how many values were the same.
+pub fn compare(name: &str, datagrams: &[(Way, Vec<u8>)]) -> usize {
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.pcap"));
+    std::fs::write(&file, capture(datagrams)).expect("a file for the capture");
+    let tshark = |arguments: &[&str]| {
+        let mut command = Command::new("tshark");
+        command.arg("-r").arg(&file).args(["-d", "udp.port==8004,cigi"]).args(arguments);
+        let output = command.output().expect("tshark");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).expect("UTF-8")
+    };
+    let malformed = tshark(&["-Y", "_ws.malformed || !cigi"]);
+    assert_eq!(malformed, "", "malformed, or no CIGI at all");
+    let dissected: Vec<Value> = serde_json::from_str(&tshark(&["-T", "json", "--no-duplicate-keys"])).expect("JSON");
+    assert_eq!(dissected.len(), datagrams.len());
+    let theirs = dissected.iter().map(|frame| &frame["_source"]["layers"]["cigi"]);
+    datagrams.iter().zip(theirs).map(|((_, bytes), theirs)| compare_message(bytes, theirs)).sum()
+}
+
+fn compare_message(bytes: &[u8], theirs: &Value) -> usize {
+    let message = decode(bytes).expect("what we took or sent");
+    // One object a packet; packets of one kind in a message come as a list.
+    let objects = theirs.as_object().expect("a dissection").values().flat_map(|value| match value {
+        Value::Array(list) => list.clone(),
+        other => vec![other.clone()],
+    });
+    let mut objects: Vec<Value> = objects.filter(|object| object["cigi.packet_id"].is_string()).collect();
+    let mut same = 0;
+    for packet in &message.packets {
+        let id = packet.layout().framing(Version::V3).expect("of 3.3").id.to_string();
+        let position = objects.iter().position(|object| object["cigi.packet_id"] == id.as_str());
+        let object = objects.remove(position.unwrap_or_else(|| panic!("tshark found no {}", packet.layout().name)));
+        same += compare_packet(packet, &object);
+    }
+    let left: Vec<&Value> = objects.iter().filter(|object| !is_user_defined(object)).collect();
+    assert!(left.is_empty(), "tshark found more: {left:?}");
+    same
+}
+
+fn is_user_defined(object: &Value) -> bool {
+    object["cigi.packet_id"].as_str().and_then(|id| id.parse().ok()).is_some_and(|id: u16| id > 200)
+}
+
+/// Both list fields by their places, so that they are compared one by one without a table of names.
+fn compare_packet(packet: &Packet, theirs: &Value) -> usize {
+    let layout = packet.layout();
+    if layout.name.starts_with("User-Defined") {
+        return 0;
+    }
+    let mut ours: Vec<_> = layout.placed(Version::V3).collect();
+    ours.sort_by_key(|(_, _, place, _)| match place.part {
+        Part::Bits { lowest, .. } => (place.byte, lowest),
+        _ => (place.byte, 0),
+    });
+    let listed = theirs.as_object().expect("fields").iter();
+    let theirs: Vec<(&String, &str)> = listed
+        .filter(|(name, _)| !matches!(name.as_str(), "cigi.packet_id" | "cigi.packet_size"))
+        .filter_map(|(name, value)| Some((name, value.as_str()?)))
+        .collect();
+    assert_eq!(ours.len(), theirs.len(), "{}: {ours:?} {theirs:?}", layout.name);
+    for ((index, field, _, name), (their_name, their_value)) in ours.iter().zip(&theirs) {
+        let ours = packet.field(*index).expect("a field");
+        let same = match &ours {
+            // The magic is shown as it stands in the bytes.
+            _ if field.name == "byte_swap_magic" => ["0x8000", "0x0080"].contains(their_value),
+            Ours::Whole(ours) => whole(their_value) == Some(*ours),
+            // Printed with six significant digits.
+            Ours::Single(ours) => close(f64::from(*ours), their_value, 1e-5),
+            Ours::Double(ours) => close(*ours, their_value, 1e-14),
+            Ours::Text(ours) => ours == their_value,
+        };
+        assert!(same, "{}: {name} is {ours:?}, tshark's {their_name} is {their_value}", layout.name);
+    }
+    theirs.len()
+}
+
+fn whole(text: &str) -> Option<i64> {
+    match text.strip_prefix("0x") {
+        Some(digits) => i64::from_str_radix(digits, 16).ok(),
+        None => text.parse().ok(),
+    }
+}
+
+fn close(ours: f64, theirs: &str, relative: f64) -> bool {
+    theirs.parse::<f64>().is_ok_and(|theirs| (ours - theirs).abs() <= relative * ours.abs().max(1e-30))
+}
+
+/// A capture file (pcap, Ethernet) with these datagrams; the host is at port 8005, the server at 8004.
+fn capture(datagrams: &[(Way, Vec<u8>)]) -> Vec<u8> {
+    let mut file = Vec::new();
+    for word in [0xa1b2_c3d4_u32, 0x0004_0002, 0, 0, 65_535, 1] {
+        file.extend(word.to_le_bytes());
+    }
+    for (number, (way, payload)) in datagrams.iter().enumerate() {
+        let ports: [u16; 2] = if *way == Way::ToServer { [8005, 8004] } else { [8004, 8005] };
+        let (udp, ip) = ((8 + payload.len()) as u16, (28 + payload.len()) as u16);
+        let mut frame = vec![0; 12];
+        frame.extend([0x08, 0x00, 0x45, 0x00]);
+        frame.extend(ip.to_be_bytes());
+        // Identification and fragments, life, UDP, no checksum; from and to this machine.
+        frame.extend([0, 0, 0, 0, 64, 17, 0, 0, 127, 0, 0, 1, 127, 0, 0, 1]);
+        ports.iter().for_each(|port| frame.extend(port.to_be_bytes()));
+        frame.extend(udp.to_be_bytes());
+        frame.extend([0, 0]);
+        frame.extend(payload);
+        for word in [number as u32, 0, frame.len() as u32, frame.len() as u32] {
+            file.extend(word.to_le_bytes());
+        }
+        file.extend(frame);
+    }
+    file
+}
