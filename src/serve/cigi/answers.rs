@@ -66,7 +66,7 @@ impl Questions {
     /// The questions that are due with this frame of ours.
     pub fn due(&mut self, frame: u32, entities: &Entities) -> Vec<Packet> {
         self.periodic.retain(|_, (question, _)| carrier(question).is_none_or(|id| entities.pose(id).is_some()));
-        let periodic = self.periodic.values().filter(|(_, period)| frame % u32::from(*period) == 0);
+        let periodic = self.periodic.values().filter(|(_, period)| frame.is_multiple_of(u32::from(*period)));
         let periodic: Vec<Packet> = periodic.map(|(question, _)| question.clone()).collect();
         self.once.drain(..).chain(periodic).collect()
     }
