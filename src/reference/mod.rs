@@ -1,6 +1,9 @@
 //! The reference executor: plays a plan with the twins, rows over all cores. Needs no graphics adapter.
 
+pub mod converged;
 mod images;
+pub mod monte_carlo;
+mod shell;
 
 use crate::clouds::density::DensityVolume;
 use crate::clouds::{CloudKind, detail, modulation};
@@ -46,6 +49,12 @@ impl ReferenceExecutor {
 
     /// Draws a plan at once.
     pub fn draw(&mut self, plan: &FramePlan) -> Pixels {
+        self.prepared(plan, |table, layers, casters| picture(plan, table, layers, casters))
+    }
+
+    /// Makes everything that a plan's pixels read, and hands it over: the table of scattered light, the
+    /// layers, and what casts shadows.
+    pub fn prepared<T>(&mut self, plan: &FramePlan, work: impl FnOnce(&[Texel], &[Prepared], &[Caster]) -> T) -> T {
         let table = self.table(&plan.table);
         let most = plan.layers.iter().map(|layer| layer.light.len()).sum::<usize>().max(VOLUMES_KEPT);
         let mut volumes = Vec::new();
@@ -72,7 +81,7 @@ impl ReferenceExecutor {
             })
             .collect();
         let shadows = self.shadows(plan);
-        picture(plan, &table, &layers, &casters(plan, &shadows))
+        work(&table, &layers, &casters(plan, &shadows))
     }
 
     fn table(&mut self, params: &TableParams) -> Arc<Vec<Texel>> {
@@ -122,7 +131,8 @@ fn keep<K: PartialEq, V>(kept: &mut VecDeque<(K, Arc<V>)>, key: K, most: usize, 
     value
 }
 
-fn picture(plan: &FramePlan, table: &[Texel], layers: &[Prepared], casters: &[Caster]) -> Pixels {
+/// The picture of a plan from what [`ReferenceExecutor::prepared`] hands over, or from layers changed to compare with.
+pub fn picture(plan: &FramePlan, table: &[Texel], layers: &[Prepared], casters: &[Caster]) -> Pixels {
     let [width, height] = plan.size_px.map(|n| n as usize);
     let deck = images::deck(plan, table, layers);
     let shadow = images::shadow(plan, casters, &deck);

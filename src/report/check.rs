@@ -213,6 +213,14 @@ mod tests {
     }
 
     #[test]
+    fn the_bounds_of_the_repository_are_right_and_about_known_subjects() {
+        let text = include_str!("../../benches/bounds.json");
+        let bounds = Bounds::parse(text).expect("bounds");
+        let known = crate::report::subjects();
+        assert!(bounds.bounds.iter().all(|bound| known.iter().any(|subject| subject.name == bound.subject)));
+    }
+
+    #[test]
     fn a_wrong_file_is_refused() {
         for (text, why) in [
             ("{", "EOF"),

@@ -5,15 +5,22 @@
 
 mod check;
 mod csv;
+mod deck;
+mod encode;
 mod figure;
 mod html;
+mod images;
+mod lightning;
 mod machine;
+mod omission;
 mod outputs;
 mod pareto;
 mod pivot;
 mod result;
 mod run;
 mod scene;
+mod shadow;
+mod stability;
 mod subject;
 mod table;
 mod timing;
@@ -30,9 +37,5 @@ pub use timing::measure;
 
 /// Every subject that `stormdeck report` knows, in the order in which they run. One line and one file each.
 pub fn subjects() -> &'static [Subject] {
-    &[encode::SUBJECT, lightning::SUBJECT, shadow::SUBJECT]
+    &[deck::SUBJECT, shadow::SUBJECT, encode::SUBJECT, lightning::SUBJECT, stability::SUBJECT, omission::SUBJECT]
 }
-
-mod encode;
-mod lightning;
-mod shadow;

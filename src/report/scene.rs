@@ -32,6 +32,19 @@ pub struct EyePoint {
 /// # Errors
 /// [`Stopped::Failed`]: the world refused a layer.
 pub fn snapshot(eye: EyePoint, layers: &[LayerSpec], quality: Quality) -> Result<Snapshot, Stopped> {
+    snapshot_after(eye, layers, quality, 0.0)
+}
+
+/// The same after so many seconds of simulation.
+///
+/// # Errors
+/// [`Stopped::Failed`]: the world refused a layer.
+pub fn snapshot_after(
+    eye: EyePoint,
+    layers: &[LayerSpec],
+    quality: Quality,
+    after_s: f64,
+) -> Result<Snapshot, Stopped> {
     let mut world = World::new();
     world.set_quality(quality);
     let ownship = Ownship {
@@ -48,6 +61,7 @@ pub fn snapshot(eye: EyePoint, layers: &[LayerSpec], quality: Quality) -> Result
     for command in [Command::Ownship(ownship), Command::Weather(weather)] {
         world.apply(command).map_err(|refused| Stopped::Failed(refused.to_string()))?;
     }
+    world.advance_to(after_s);
     let mut snapshot = world.snapshot(1.0 / 60.0);
     for view in &mut snapshot.views {
         view.size_px = eye.size_px;

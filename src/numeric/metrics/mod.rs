@@ -1,5 +1,11 @@
 //! How far one picture is from another.
 
+mod flip;
+mod noisy;
+
+pub use flip::{PIXELS_PER_DEGREE, flip, flip_map};
+pub use noisy::relative_square_less_noise;
+
 /// Relative mean squared error: the mean of `(x - r)^2 / (r^2 + (0.01 m)^2)` over all values, `m` the mean of the
 /// reference (Rousselle, Knaus and Zwicker 2011, "Adaptive Sampling and Reconstruction using Greedy Error Minimization",
 /// section 3, whose constant of 0.01 is made one of scale, so that the unit of the picture does not matter).

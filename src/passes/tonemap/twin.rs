@@ -13,7 +13,7 @@ pub fn tonemap(linear: Vec3, x: u32, y: u32) -> [u8; 4] {
 
 /// Rational fit of the ACES reference tone curve (Narkowicz 2015). The fit is brighter than the curve by 1 / 0.6; the factor
 /// takes half of that back, by eye, so that sunlit cloud keeps its shading.
-fn filmic(c: Vec3) -> Vec3 {
+pub fn filmic(c: Vec3) -> Vec3 {
     let x = c * 0.75;
     (x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14)).clamp(Vec3::ZERO, Vec3::ONE)
 }

@@ -44,7 +44,7 @@ pub fn swatch(series: usize) -> String {
     format!("<svg class=\"swatch\" viewBox=\"-7 -7 14 14\">{}</svg>", mark(series, 0.0, 0.0))
 }
 
-/// The plot of one column of errors with its caption; `None` when no row has both an error and a time.
+/// The plot of one column of errors with its caption; `None` when no row has both an error over 0 and a time.
 pub fn plot(table: &Table, column: usize) -> Option<String> {
     let methods = methods(table);
     let points: Vec<Point> = table
@@ -59,7 +59,7 @@ pub fn plot(table: &Table, column: usize) -> Option<String> {
         })
         .collect();
     let times = Axis::over(points.iter().flat_map(|p| [p.time_s.min, p.time_s.median, p.time_s.max]))?;
-    let errors = Axis::over(points.iter().map(|p| p.error));
+    let errors = Axis::over(points.iter().map(|p| p.error))?;
     let frame = Frame { times, errors, zero: points.iter().any(|p| p.error == 0.0) };
     let (metric, reference) = table.columns[column];
     let mut legend = String::new();
@@ -82,7 +82,7 @@ pub fn plot(table: &Table, column: usize) -> Option<String> {
 /// Where values lie in the picture.
 struct Frame {
     times: Axis,
-    errors: Option<Axis>,
+    errors: Axis,
     zero: bool,
 }
 
@@ -97,9 +97,10 @@ impl Frame {
     }
 
     fn y(&self, error: f64) -> f64 {
-        match &self.errors {
-            Some(axis) if error > 0.0 => self.floor() - axis.place(error) * (self.floor() - TOP),
-            _ => HEIGHT - BOTTOM - 0.5 * ZERO,
+        if error > 0.0 {
+            self.floor() - self.errors.place(error) * (self.floor() - TOP)
+        } else {
+            HEIGHT - BOTTOM - 0.5 * ZERO
         }
     }
 }
@@ -113,7 +114,7 @@ fn grid(frame: &Frame, metric: &str) -> String {
         let _ = write!(svg, "<text class=\"tick\" x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">", bottom + 16.0);
         let _ = writeln!(svg, "{}</text>", short(&units::time(tick)));
     }
-    let errors = frame.errors.iter().flat_map(Axis::ticks).map(|tick| (frame.y(tick), short(&units::number(tick))));
+    let errors = frame.errors.ticks().into_iter().map(|tick| (frame.y(tick), short(&units::number(tick))));
     let zero = frame.zero.then(|| (frame.y(0.0), "0".to_owned()));
     for (y, label) in errors.chain(zero) {
         let _ = write!(svg, "<path class=\"grid\" d=\"M{LEFT} {y:.1}H{right}\"/>");
@@ -225,8 +226,11 @@ mod tests {
     }
 
     #[test]
-    fn without_times_there_is_no_plot() {
+    fn without_times_or_errors_there_is_no_plot() {
         let results = Case::new("c", "m").error("mse", "r", 1.0).results("s");
+        assert!(plot(&tables(&results)[0], 0).is_none());
+        let time_s = TimeSpread { median: 1.0, min: 1.0, max: 1.0, runs: 1 };
+        let results = Case::new("c", "m").time(time_s).error("mse", "r", 0.0).results("s");
         assert!(plot(&tables(&results)[0], 0).is_none());
     }
 
