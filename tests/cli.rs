@@ -111,6 +111,30 @@ fn check_tells_everything_that_is_wrong_with_line_and_path() {
 }
 
 #[test]
+fn a_report_writes_its_files_and_a_broken_bound_ends_with_1() {
+    let folder = Folder::new("report");
+    expect(&["report", "--list"], 0, &["deck", "encode"]);
+    expect(&["report", "weather"], 2, &["no subject `weather`", "encode"]);
+    expect(&["report", "encode", "--json", &folder.path("none/r.json")], 2, &["none/r.json: cannot be written"]);
+    let wrong = folder.file("wrong.json", r#"{"bounds": [{"subject": "encode", "max_eror": 1}]}"#);
+    expect(&["report", "encode", "--quick", "--check", &wrong], 2, &["wrong.json", "max_eror"]);
+    // One run for the rest: it draws a picture.
+    let bounds = r#"{"bounds": [{"subject": "encode", "method": "PNG", "max_error": 0},
+        {"subject": "encode", "method": "JPEG", "max_error": 0}]}"#;
+    let (json, csv, html) = (folder.path("r.json"), folder.path("r.csv"), folder.path("r.html"));
+    let check = folder.file("bounds.json", bounds);
+    let files = ["--json", &json, "--csv", &csv, "--html", &html, "--check", &check];
+    let arguments = [&["report", "encode", "--quick"][..], &files].concat();
+    expect(&arguments, 1, &["JPEG", "Pareto front", "at most 0"]);
+    let text = |path: &str| std::fs::read_to_string(path).expect("the file");
+    let report: serde_json::Value = serde_json::from_str(&text(&json)).expect("JSON");
+    let results = report["results"].as_array().expect("results").len();
+    assert!(results > 5 && report["machine"].is_string(), "{report}");
+    assert_eq!(text(&csv).lines().count(), results + 1);
+    assert!(text(&html).contains("<svg") && text(&html).ends_with("</html>\n"));
+}
+
+#[test]
 fn render_writes_pictures_of_the_size_asked_for() {
     let folder = Folder::new("render");
     let scenario = folder.file("scenario.json", &clear_sky());
