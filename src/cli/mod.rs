@@ -2,6 +2,7 @@
 //!
 //! Exit codes: 0 done, 1 the run failed, 2 the command line or a file is wrong.
 
+mod bake;
 mod bolt;
 mod check;
 mod cigi;
@@ -32,6 +33,7 @@ enum Verb {
     Serve(serve::Options),
     Render(render::Options),
     Bolt(bolt::Options),
+    Bake(bake::Options),
     Check(check::Options),
     Host(host::Options),
     Report(report::Options),
@@ -66,6 +68,7 @@ pub fn main() -> ExitCode {
         Verb::Serve(options) => serve::run(options),
         Verb::Render(options) => render::run(&options),
         Verb::Bolt(options) => bolt::run(&options),
+        Verb::Bake(options) => bake::run(&options),
         Verb::Check(options) => check::run(&options),
         Verb::Host(options) => host::run(&options),
         Verb::Report(options) => report::run(&options),

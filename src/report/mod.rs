@@ -4,6 +4,7 @@
 //! The report prints a table, writes JSON, CSV and one HTML page with plots, and holds results against stored bounds.
 
 mod check;
+mod compression;
 mod csv;
 mod deck;
 mod encode;
@@ -11,13 +12,16 @@ mod figure;
 mod html;
 mod images;
 mod lightning;
+mod lit_cloud;
 mod machine;
 mod omission;
 mod outputs;
 mod pareto;
 mod pivot;
+mod relight;
 mod result;
 mod run;
+mod scattering;
 mod scene;
 mod shadow;
 mod stability;
@@ -37,5 +41,15 @@ pub use timing::measure;
 
 /// Every subject that `stormdeck report` knows, in the order in which they run. One line and one file each.
 pub fn subjects() -> &'static [Subject] {
-    &[deck::SUBJECT, shadow::SUBJECT, encode::SUBJECT, lightning::SUBJECT, stability::SUBJECT, omission::SUBJECT]
+    &[
+        deck::SUBJECT,
+        shadow::SUBJECT,
+        encode::SUBJECT,
+        lightning::SUBJECT,
+        scattering::SUBJECT,
+        compression::SUBJECT,
+        relight::SUBJECT,
+        stability::SUBJECT,
+        omission::SUBJECT,
+    ]
 }

@@ -1,0 +1,110 @@
+//! Subject `compression`: bytes and error of basis intensities over threshold, width and content, and the ambient term.
+
+use super::lit_cloud::{bolt, cloud, failed, relative_f32};
+use super::result::Case;
+use super::subject::{Run, Stopped, Subject};
+use super::timing::measure;
+use crate::numeric::haar::Haar;
+use crate::scattering::basis::{Content, Recipe};
+use crate::scattering::compress::{Ambient, Block, Packing, Sum, Width};
+use crate::scattering::lights::Lights;
+use crate::scattering::ordinates::{Params, Solver};
+use crate::scattering::phase::Phase;
+use std::collections::BTreeMap;
+
+/// Basis intensities as few coefficients.
+pub const SUBJECT: Subject = Subject {
+    name: "compression",
+    about: "basis intensities in few Haar coefficients against their own dense table, summed for a bolt",
+    measure: cases,
+};
+
+fn cases(run: &mut Run) -> Result<(), Stopped> {
+    let medium = cloud([32, 32, 4], [1.0; 3], 1.0)?;
+    let counts = run.pick([5, 5, 4], [20, 20, 7]);
+    let lights = Lights::even(counts, medium.size_m(), 4.0, false).map_err(failed)?;
+    let params = Params { phase: Phase::HenyeyGreenstein(0.85), albedo: 0.99, tolerance: 1e-3, ..Params::default() };
+    for content in [Content::Total, Content::Diffuse] {
+        let packing = Packing { threshold: 0.0, width: Width::F32 };
+        let recipe = Recipe { medium: medium.clone(), params, lights: lights.clone(), content, packing };
+        content_cases(run, &recipe)?;
+    }
+    Ok(())
+}
+
+/// Only the lights that the bolts use are solved: their fields are what the sums read.
+fn content_cases(run: &mut Run, recipe: &Recipe) -> Result<(), Stopped> {
+    let bolts: Vec<BTreeMap<usize, f64>> = (0..run.pick(2, 8))
+        .map(|seed| weights(recipe, &bolt(recipe.medium.size_m(), 1 + seed as usize % 3, seed)))
+        .collect();
+    let solver = Solver::new(&recipe.medium, recipe.params).map_err(failed)?;
+    let mut fields = BTreeMap::new();
+    for light in bolts.iter().flat_map(|b| b.keys().copied()) {
+        if !fields.contains_key(&light) {
+            // A batch shares its lanes: the lights beside it come for nothing.
+            let batch = light / 16 * 16..(light / 16 * 16 + 16).min(recipe.lights.len());
+            let solved = recipe.fields(&solver, batch.clone()).map_err(failed)?;
+            fields.extend(batch.zip(solved));
+        }
+    }
+    let haar = Haar::new(recipe.medium.cells);
+    let components = recipe.components();
+    let dense: Vec<Vec<f32>> = bolts.iter().map(|b| dense_sum(b, &fields)).collect();
+    let case = format!("{:?}, {} of {} lights", recipe.content, fields.len(), recipe.lights.len());
+    for width in [Width::F32, Width::F16, Width::Log8] {
+        for threshold in [0.0, 1e-5, 5e-5, 2e-4, 5e-4, 1e-3, 3e-3] {
+            let packing = Packing { threshold, width };
+            let blocks: BTreeMap<usize, Block> = fields
+                .iter()
+                .map(|(light, f)| (*light, Block::pack(&haar, &mut f.clone(), packing, recipe.norm())))
+                .collect();
+            let bytes: usize = blocks.values().map(|b| b.bytes(recipe.medium.len())).sum();
+            // What the whole table would take, from the share that was solved.
+            let whole = (bytes as f64 * recipe.lights.len() as f64 / fields.len() as f64) as u64;
+            for ambient in [Ambient::Off, Ambient::Printed, Ambient::SignedMean] {
+                if ambient != Ambient::Off && (width != Width::F32 || threshold == 0.0) {
+                    continue;
+                }
+                let sum = |weights: &BTreeMap<usize, f64>| {
+                    let mut sum = Sum::new(&haar, components, ambient);
+                    weights.iter().for_each(|(light, weight)| sum.add(&blocks[light], *weight as f32));
+                    sum.fields()
+                };
+                let errors: Vec<f64> = bolts.iter().zip(&dense).map(|(b, d)| relative_f32(&sum(b), d)).collect();
+                let (_, time_s) = measure(run.pick(3, 11), || sum(&bolts[0]));
+                let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+                let worst = errors.iter().copied().fold(0.0, f64::max);
+                let made = Case::new(case.clone(), format!("{width:?}, ambient {ambient:?}"))
+                    .param("threshold", threshold)
+                    .param("ratio", recipe.dense_bytes() as f64 / whole as f64)
+                    .error("relative L2, mean of the bolts", "own dense table", mean)
+                    .error("relative L2, worst bolt", "own dense table", worst)
+                    .memory(whole)
+                    .time(time_s);
+                run.record(made)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn weights(recipe: &Recipe, points: &[crate::scattering::ordinates::PointSource]) -> BTreeMap<usize, f64> {
+    let mut weights = BTreeMap::new();
+    for point in points {
+        for (light, share) in recipe.lights.shares(point.position_m).lights {
+            *weights.entry(light).or_insert(0.0) += share * point.intensity;
+        }
+    }
+    weights
+}
+
+fn dense_sum(weights: &BTreeMap<usize, f64>, fields: &BTreeMap<usize, Vec<f32>>) -> Vec<f32> {
+    let length = fields.values().next().map_or(0, Vec::len);
+    let mut sum = vec![0.0; length];
+    for (light, weight) in weights {
+        for (s, f) in sum.iter_mut().zip(&fields[light]) {
+            *s += *weight as f32 * f;
+        }
+    }
+    sum
+}
