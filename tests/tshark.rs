@@ -44,9 +44,16 @@ fn wireshark_reads_what_we_write() {
                 let to_server = layout.direction == Direction::HostToIg;
                 let packet = filled(layout, round);
                 let bytes = match packet {
-                    Packet::IgControl(control) => {
-                        encode(&IgControl { major_version, minor_version, byte_swap_magic, ..control }.into())
-                    }
+                    Packet::IgControl(control) => encode(
+                        &IgControl {
+                            major_version,
+                            minor_version,
+                            byte_swap_magic,
+                            ig_mode: control.ig_mode % 3,
+                            ..control
+                        }
+                        .into(),
+                    ),
                     Packet::StartOfFrame(sof) => {
                         encode(&StartOfFrame { major_version, minor_version, byte_swap_magic, ..sof }.into())
                     }

@@ -4,7 +4,7 @@
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
-use stormdeck::wire::cigi::layout::{Part, Value as Ours};
+use stormdeck::wire::cigi::layout::Value as Ours;
 use stormdeck::wire::cigi::{Packet, Version, decode};
 
 /// Where a datagram went.
@@ -68,35 +68,35 @@ fn is_user_defined(object: &Value) -> bool {
     object["cigi.packet_id"].as_str().and_then(|id| id.parse().ok()).is_some_and(|id: u16| id > 200)
 }
 
-/// Both list fields by their places, so that they are compared one by one without a table of names.
+/// Compares the values of a packet without a table of names: each of ours is one of theirs, and none is left over.
 fn compare_packet(packet: &Packet, theirs: &Value) -> usize {
     let layout = packet.layout();
     if layout.name.starts_with("User-Defined") {
         return 0;
     }
-    let mut ours: Vec<_> = layout.placed(Version::V3).collect();
-    ours.sort_by_key(|(_, _, place, _)| match place.part {
-        Part::Bits { lowest, .. } => (place.byte, lowest),
-        _ => (place.byte, 0),
-    });
+    let ours: Vec<_> = layout.placed(Version::V3).collect();
     let listed = theirs.as_object().expect("fields").iter();
     let theirs: Vec<(&String, &str)> = listed
         .filter(|(name, _)| !matches!(name.as_str(), "cigi.packet_id" | "cigi.packet_size"))
         .filter_map(|(name, value)| Some((name, value.as_str()?)))
         .collect();
     assert_eq!(ours.len(), theirs.len(), "{}: {ours:?} {theirs:?}", layout.name);
-    for ((index, field, _, name), (their_name, their_value)) in ours.iter().zip(&theirs) {
+    // JSON objects have no order: each of our values takes one of theirs that nobody has taken.
+    let mut left = theirs.clone();
+    for (index, field, _, name) in &ours {
         let ours = packet.field(*index).expect("a field");
-        let same = match &ours {
+        let same = |their_value: &str| match &ours {
             // The magic is shown as it stands in the bytes.
-            _ if field.name == "byte_swap_magic" => ["0x8000", "0x0080"].contains(their_value),
-            Ours::Whole(ours) => whole(their_value) == Some(*ours),
+            _ if field.name == "byte_swap_magic" => ["0x8000", "0x0080"].contains(&their_value),
+            Ours::Whole(ours) => whole(their_value) == Some(*ours) || words(their_value).contains(ours),
             // Printed with six significant digits.
             Ours::Single(ours) => close(f64::from(*ours), their_value, 1e-5),
             Ours::Double(ours) => close(*ours, their_value, 1e-14),
             Ours::Text(ours) => ours == their_value,
         };
-        assert!(same, "{}: {name} is {ours:?}, tshark's {their_name} is {their_value}", layout.name);
+        let found = left.iter().position(|(_, value)| same(value));
+        let found = found.unwrap_or_else(|| panic!("{}: {name} is {ours:?}, tshark has {left:?}", layout.name));
+        left.remove(found);
     }
     theirs.len()
 }
@@ -105,6 +105,15 @@ fn whole(text: &str) -> Option<i64> {
     match text.strip_prefix("0x") {
         Some(digits) => i64::from_str_radix(digits, 16).ok(),
         None => text.parse().ok(),
+    }
+}
+
+/// Words of component and event data are shown byte by byte, as they stand: the number in either byte order.
+fn words(text: &str) -> Vec<i64> {
+    let bytes: Option<Vec<u8>> = text.split(':').map(|byte| u8::from_str_radix(byte, 16).ok()).collect();
+    match bytes.and_then(|bytes| <[u8; 4]>::try_from(bytes).ok()) {
+        Some(bytes) => vec![u32::from_le_bytes(bytes).into(), u32::from_be_bytes(bytes).into()],
+        None => Vec::new(),
     }
 }
 
