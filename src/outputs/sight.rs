@@ -164,11 +164,12 @@ mod tests {
         let mut snapshot = clear_day();
         snapshot.weather.layers.clear();
         let from = place(47.0, 8.0, 100.0);
-        // 10 km away at 100 m: visible. 100 km away at 100 m: the horizons of two eyes at 100 m are 36 km away each.
+        // 10 km away at 100 m: visible. 100 km away at 100 m: the straight line is x (100 - x) / 2R lower after x km, which is
+        // 100 m after 15.0 km (R 6371 km; the ellipsoid's radius there differs by up to 0.5 %).
         assert_eq!(sight(&snapshot, &Ray::between(from, &place(47.09, 8.0, 100.0))).hider, None);
         let far = sight(&snapshot, &Ray::between(from, &place(47.9, 8.0, 100.0)));
         assert_eq!(far.hider, Some(Hider::Ground));
-        assert!((30_000.0..40_000.0).contains(&far.range_m) && far.point.altitude_m.abs() < 1e-3, "{far:?}");
+        assert!((14_850.0..15_150.0).contains(&far.range_m) && far.point.altitude_m.abs() < 1e-3, "{far:?}");
         let through = Ray { ground: false, ..Ray::between(from, &place(47.9, 8.0, 100.0)) };
         assert_eq!(sight(&snapshot, &through).hider, None);
         let down = Ray { direction: -enu(&from).z_axis, to_m: 50.0, ..up(&from) };

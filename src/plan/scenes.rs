@@ -3,8 +3,7 @@
 use crate::clouds::CloudKind;
 use crate::geo::frames::enu;
 use crate::geo::{Attitude, Geodetic};
-use crate::world::World;
-use crate::world::command::{Command, Exposure, FlashKind, LayerSpec, Polarity, RegionShape, WeatherEdit};
+use crate::world::command::{Exposure, FlashKind, Polarity, RegionShape};
 use crate::world::snapshot::{
     DeckForm, FlashState, LayerState, OwnshipState, Quality, RegionState, SkyState, Snapshot, ViewState, WeatherState,
 };
@@ -194,20 +193,13 @@ pub fn extremes() -> Vec<(String, Snapshot)> {
     scenes
 }
 
-/// Cumulus that a wind has carried since ten years.
+/// Cumulus that a wind from the west-south-west has carried for ten years: a rotation about the Earth's centre.
 pub fn blown_for_ten_years(wind_speed_mps: f64) -> WeatherState {
-    let spec = LayerSpec {
-        kind: CloudKind::Cumulus,
-        base_m: 1_000.0,
-        thickness_m: 1_000.0,
-        coverage: 0.5,
-        density: 1.0,
-        wind_speed_mps,
-        wind_from_deg: 250.0,
-    };
-    let mut world = World::new();
-    let edit = WeatherEdit { layers: Some(vec![spec]), ..Default::default() };
-    world.apply(Command::Weather(edit)).expect("a layer of a test is right");
-    world.advance_to(3_652.5 * 86_400.0);
-    world.snapshot(0.01).weather
+    let frame = enu(&place(47.0, 8.0, 0.0));
+    let towards = 70f64.to_radians();
+    let axis = frame.z_axis.cross(frame.x_axis * towards.sin() + frame.y_axis * towards.cos());
+    let drift = DQuat::from_axis_angle(axis, wind_speed_mps / 6_371_000.0 * 3_652.5 * 86_400.0);
+    let cumulus = layer(CloudKind::Cumulus, 1_000.0, 1_000.0);
+    let blown = LayerState { wind_speed_mps, wind_from_deg: 250.0, drift, ..cumulus };
+    WeatherState { layers: vec![blown], visibility_m: 40_000.0 }
 }

@@ -72,7 +72,7 @@ fn every_problem_is_told_at_once_with_its_path_and_line() {
     );
     assert_eq!(
         complaints[1].to_string(),
-        "line 3, column 12: slices: out of range: Slices per cloud layer (found 0; allowed: a whole number, 1 to 128)"
+        "line 3, column 12: slices: out of range: Slices per cloud layer (found 0; allowed: a whole number, 1 to 512)"
     );
 }
 

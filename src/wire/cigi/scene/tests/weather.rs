@@ -1,0 +1,206 @@
+//! Layers, regions, entities' weather and storms by CIGI packets.
+
+use super::*;
+
+#[test]
+fn all_ten_genera_and_the_rest() {
+    let expected = [
+        None,
+        Some(CloudKind::Altocumulus),
+        Some(CloudKind::Altostratus),
+        Some(CloudKind::Cirrocumulus),
+        Some(CloudKind::Cirrostratus),
+        Some(CloudKind::Cirrus),
+        Some(CloudKind::Cumulonimbus),
+        Some(CloudKind::Cumulus),
+        Some(CloudKind::Nimbostratus),
+        Some(CloudKind::Stratocumulus),
+        Some(CloudKind::Stratus),
+        Some(CloudKind::Stratocumulus),
+    ];
+    for (cloud_type, expected) in (0..).zip(expected) {
+        let mut host = Host::new();
+        host.says([cloud(1, cloud_type, 1_000.0, 500.0).into()]);
+        assert_eq!(host.sees().weather.layers.first().map(|layer| layer.kind), expected, "{cloud_type}");
+    }
+    let mut host = Host::new();
+    host.says([cloud(0, 0, 0.0, 60.0).into(), cloud(5, 7, 3_000.0, 500.0).into()]);
+    let kinds: Vec<CloudKind> = host.sees().weather.layers.iter().map(|layer| layer.kind).collect();
+    assert_eq!(kinds, [CloudKind::Stratus], "fog is stratus, snow is no cloud");
+}
+
+#[test]
+fn a_layer_says_cover_heights_wind_and_visibility() {
+    let mut host = Host::with(Convention { sea_level_m: 40.0, ..CONVENTION }, Version::V4);
+    let layer = WeatherControl {
+        coverage: 75.0,
+        horizontal_wind_speed: 12.5,
+        wind_direction: -45.0,
+        visibility_range: 120.0,
+        ..cloud(2, 10, 1_500.0, 400.0)
+    };
+    host.says([layer.clone().into()]);
+    let seen = host.sees().weather.layers[0];
+    assert_close([seen.coverage, seen.base_m, seen.thickness_m], [0.75, 1_540.0, 400.0], 1e-9);
+    assert_close([seen.wind_speed_mps, seen.wind_from_deg], [12.5, 315.0], 1e-9);
+    // Contrast of 5 % at 120 m: the extinction is -ln(0.05) / 120 m, to the four digits that the constant has.
+    let extinction_per_m = seen.density * f64::from(CloudKind::Stratus.appearance().extinction_per_m);
+    assert_close([extinction_per_m], [-(0.05_f64).ln() / 120.0], 1e-5);
+    host.says([WeatherControl { weather_enable: false, ..layer }.into()]);
+    host.world.advance_to(1.0);
+    assert_eq!(host.sees().weather.layers, []);
+}
+
+#[test]
+fn scud_and_transition_bands_hang_on_the_layer_where_there_is_room() {
+    let banded = WeatherControl { bottom_transition_band: 100.0, ..cloud(1, 10, 1_000.0, 400.0) };
+    for (version, expected) in [(Version::V3, vec![900.0, 1_000.0, 1_400.0]), (Version::V4, vec![900.0, 1_000.0])] {
+        let mut host = Host::with(CONVENTION, version);
+        host.says([banded.clone().into()]);
+        let layers = host.sees().weather.layers;
+        assert_close(layers.iter().map(|layer| layer.base_m), expected, 1e-9);
+        assert_close([layers[0].density / layers[1].density], [0.5], 1e-9);
+    }
+    let mut host = Host::with(CONVENTION, Version::V4);
+    let scud = WeatherControl {
+        bottom_scud_enable: true,
+        bottom_scud_frequency: 30.0,
+        top_scud_enable: true,
+        top_scud_frequency: 20.0,
+        ..cloud(1, 9, 1_000.0, 400.0)
+    };
+    host.says([scud.into(), cloud(2, 2, 1_500.0, 300.0).into()]);
+    let layers = host.sees().weather.layers;
+    assert_close(layers.iter().map(|layer| layer.base_m), [750.0, 1_000.0, 1_500.0], 1e-9);
+    assert_close([layers[0].coverage], [0.3], 1e-7);
+}
+
+#[test]
+fn layers_that_overlap_are_fitted_and_never_refused() {
+    let mut host = Host::new();
+    host.says([
+        cloud(1, 7, 1_000.0, 3_000.0).into(),
+        cloud(2, 2, 2_500.3, 700.7).into(),
+        cloud(3, 5, 2_500.3, 9.0).into(),
+    ]);
+    let layers = host.sees().weather.layers;
+    assert!(layers.windows(2).all(|pair| pair[0].base_m + pair[0].thickness_m <= pair[1].base_m), "{layers:?}");
+    assert_eq!(layers.len(), 2, "one of two with the same base");
+    // Everything at the limits: still no refusal.
+    let wild = WeatherControl {
+        coverage: 1e30,
+        horizontal_wind_speed: -3.0,
+        visibility_range: 1e-30,
+        bottom_transition_band: 1e20,
+        ..cloud(1, 6, -1e9, 1e9)
+    };
+    host.says([wild.into()]);
+    host.sees();
+}
+
+#[test]
+fn a_region_has_its_own_weather_and_merges_when_asked() {
+    let region = |merge| EnvironmentalRegionControl {
+        region_id: 515,
+        region_state: 1,
+        merge_weather_properties: merge,
+        latitude: 47.25,
+        longitude: 11.5,
+        size_x: 40_000.0,
+        size_y: 25_000.0,
+        corner_radius: 5_000.0,
+        rotation: 0.0,
+        transition_perimeter: 2_500.0,
+        ..Default::default()
+    };
+    let over = WeatherControl { scope: 1, entity_region_id: 515, ..cloud(2, 10, 600.0, 300.0) };
+    for (merge, bases) in [(false, vec![600.0]), (true, vec![600.0, 3_000.0])] {
+        let mut host = Host::new();
+        host.says([cloud(1, 1, 3_000.0, 300.0).into(), region(merge).into(), over.clone().into()]);
+        let seen = host.sees();
+        let state = &seen.regions[0];
+        assert_close(state.weather.layers.iter().filter(|l| l.coverage > 0.0).map(|layer| layer.base_m), bases, 1e-9);
+        // 19.9 km north of the centre is inside the 40 km, 19.9 km east is beyond the 25 km.
+        let point = |north_m: f64, east_m: f64| crate::geo::Geodetic {
+            latitude_rad: (47.25 + north_m / 111_180.0_f64).to_radians(),
+            longitude_rad: (11.5 + east_m / (111_320.0 * 47.25_f64.to_radians().cos())).to_radians(),
+            altitude_m: 0.0,
+        };
+        assert!(signed_distance_m(&state.shape, &point(19_900.0, 0.0)) < 0.0);
+        assert!(signed_distance_m(&state.shape, &point(0.0, 19_900.0)) > 7_000.0);
+        host.says([EnvironmentalRegionControl { region_state: 0, ..region(merge) }.into()]);
+        host.world.advance_to(1.0);
+        assert_eq!(host.sees().regions.len(), 0, "inactive");
+        host.says([region(merge).into()]);
+        assert_eq!(host.sees().regions.len(), 1, "its layers were kept");
+        host.says([EnvironmentalRegionControl { region_state: 2, ..region(merge) }.into()]);
+        host.world.advance_to(2.0);
+        host.says([region(merge).into()]);
+        let own =
+            host.sees().regions[0].weather.layers.iter().any(|layer| layer.base_m == 600.0 && layer.coverage > 0.0);
+        assert!(!own, "destroyed with its layers");
+    }
+}
+
+#[test]
+fn an_entitys_weather_goes_with_it() {
+    let mut host = Host::new();
+    let entity = |longitude| -> Packet { EntityControl { entity_id: 9, ..ownship(47.0, longitude, 0.0) }.into() };
+    let storm = WeatherControl { scope: 2, entity_region_id: 9, layer_id: 77, ..cloud(77, 6, 1_000.0, 8_000.0) };
+    host.says([entity(8.0), storm.into()]);
+    assert_close([host.sees().regions[0].shape.longitude_deg], [8.0], 1e-9);
+    host.says([entity(8.1)]);
+    host.world.advance_to(1.0);
+    assert_close([host.sees().regions[0].shape.longitude_deg], [8.1], 1e-9);
+    assert_eq!(host.says([entity(8.100_1)]), 0, "7.6 m are not worth a command");
+}
+
+#[test]
+fn random_lightning_is_a_seeded_storm_inside_its_extent() {
+    let mut host = Host::new();
+    let region = EnvironmentalRegionControl {
+        region_id: 1,
+        region_state: 1,
+        latitude: 47.0,
+        longitude: 8.0,
+        size_x: 30_000.0,
+        size_y: 10_000.0,
+        corner_radius: 5_000.0,
+        rotation: 30.0,
+        ..Default::default()
+    };
+    let storm = WeatherControl {
+        scope: 1,
+        entity_region_id: 1,
+        random_lightning_enable: true,
+        severity: 5,
+        ..cloud(1, 6, 1_000.0, 8_000.0)
+    };
+    host.says([region.into(), storm.clone().into()]);
+    let storms = host.scene.storms();
+    assert_eq!(storms.len(), 1);
+    let hour = storms[0].flashes(0.0, 50.0);
+    assert_eq!(hour, storms[0].flashes(0.0, 50.0), "the same seed");
+    let mut flashes: Vec<StrikeRequest> =
+        (0..72).flat_map(|k| storms[0].flashes(50.0 * f64::from(k), 50.0 * f64::from(k + 1))).collect();
+    // 30 a minute for an hour: 1800, give or take five times the square root.
+    assert!((flashes.len() as f64 - 1_800.0).abs() < 5.0 * 1_800.0_f64.sqrt(), "{}", flashes.len());
+    for flash in &flashes {
+        let place = crate::geo::Geodetic {
+            latitude_rad: flash.latitude_deg.to_radians(),
+            longitude_rad: flash.longitude_deg.to_radians(),
+            altitude_m: 0.0,
+        };
+        // The outline is measured on a sphere that fits the Earth at the centre: some metres at 15 km.
+        assert!(signed_distance_m(&storms[0].shape, &place) < 20.0, "{flash:?}");
+        assert_eq!(flash.altitude_m, Some(5_000.0));
+    }
+    let mut currents: Vec<f64> = flashes.iter_mut().filter_map(|flash| flash.peak_current_ka).collect();
+    currents.sort_by(f64::total_cmp);
+    // Median of a log-normal: its error is 1.25 sigma / sqrt(n) = 1.4 % here; five of these.
+    assert!((currents[currents.len() / 2] / (31.0 * 1.3) - 1.0).abs() < 0.07, "{}", currents[currents.len() / 2]);
+    let other = Storm { seed: 2, ..storms[0].clone() };
+    assert_ne!(other.flashes(0.0, 50.0), hour);
+    host.says([WeatherControl { random_lightning_enable: false, ..storm }.into()]);
+    assert_eq!(host.scene.storms(), []);
+}
