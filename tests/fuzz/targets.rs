@@ -21,7 +21,8 @@ pub struct Target {
 
 pub const CIGI_MESSAGES: Target =
     Target { name: "cigi messages", corpus: cigi_samples, longest: 2_048, answer: cigi_message };
-pub const CIGI_SCENE: Target = Target { name: "cigi scene", corpus: cigi_samples, longest: 2_048, answer: cigi_scene };
+pub const CIGI_SCENE: Target =
+    Target { name: "cigi scene", corpus: cigi_host_messages, longest: 2_048, answer: cigi_scene };
 pub const CIGI_JSON: Target = Target { name: "cigi json", corpus: cigi_texts, longest: 8_192, answer: cigi_text };
 pub const CONTROL: Target = Target {
     name: "control messages",
@@ -62,7 +63,7 @@ pub const FRAMES: Target = Target {
     },
 };
 
-/// A frame of 4 x 2 pixels.
+/// A frame of 16 x 16 pixels.
 fn frame() -> Vec<u8> {
     let stamps = LatencyStamps { received_us: 1, snapshot_us: 2, submitted_us: 3, finished_us: 4 };
     let header = frames::FrameHeader {
@@ -70,8 +71,8 @@ fn frame() -> Vec<u8> {
         provisional: false,
         repeated: false,
         last_of_step: false,
-        width_px: 4,
-        height_px: 2,
+        width_px: 16,
+        height_px: 16,
         host_frame: 5,
         frame: 6,
         view: "main".to_owned(),
@@ -80,9 +81,9 @@ fn frame() -> Vec<u8> {
         encoded_us: 7,
         sent_us: 8,
         dropped: 0,
-        payload_bytes: 32,
+        payload_bytes: 1_024,
     };
-    frames::encode_message(&header, &[9; 32]).expect("a frame")
+    frames::encode_message(&header, &[9; 1_024]).expect("a frame")
 }
 
 /// The sample messages and packets of the CIGI Class Library.
@@ -93,6 +94,21 @@ fn cigi_samples() -> Vec<Vec<u8>> {
     ];
     let samples = texts.iter().flat_map(|text| serde_json::from_str::<Vec<serde_json::Value>>(text).expect("samples"));
     samples.filter_map(|sample| json::from_hex(sample["hex"].as_str()?)).collect()
+}
+
+/// Messages of a host: each sample packet of one behind an IG Control.
+fn cigi_host_messages() -> Vec<Vec<u8>> {
+    let samples = cigi_samples();
+    let whole: Vec<Vec<u8>> = samples.iter().filter(|bytes| decode(bytes).is_ok()).cloned().collect();
+    let firsts: Vec<&Vec<u8>> = whole.iter().filter(|bytes| bytes.len() == 24).collect();
+    let behind = samples.iter().flat_map(|packet| firsts.iter().map(move |first| [first.as_slice(), packet].concat()));
+    let host = behind.filter(|bytes| decode(bytes).is_ok_and(|message| message.packets.len() == 2));
+    let mut messages: Vec<Vec<u8>> = host.collect();
+    // One for each sample and version is enough to begin with.
+    messages.sort();
+    messages.dedup_by(|a, b| a[24..] == b[24..]);
+    messages.extend(whole);
+    messages
 }
 
 fn cigi_texts() -> Vec<Vec<u8>> {
