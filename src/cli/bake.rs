@@ -146,6 +146,9 @@ fn bake(recipe: &Recipe, index: usize, of: usize, out: &Path) -> Result<(), Fail
     if done.lights.first().is_some_and(|l| *l != batches[share.start].start) {
         return Err(Failure::Input(format!("{}: holds another share of this bake", out.display())));
     }
+    if done.lights.len() > due {
+        return Err(Failure::Input(format!("{}: holds more than this share; it is not cut", out.display())));
+    }
     let end = done.offsets.get(there).copied().unwrap_or(done.header);
     file.set_len(end).and_then(|()| file.seek(SeekFrom::Start(end))).map_err(|why| failed(out, &why))?;
     if there > 0 {
@@ -185,7 +188,11 @@ struct Done {
 fn open(recipe: &Recipe, out: &Path) -> Result<(File, Done), Failure> {
     let header = file::header(recipe);
     let mut done = Done { header: header.len() as u64, lights: Vec::new(), offsets: Vec::new() };
-    let old = std::fs::read(out).unwrap_or_default();
+    let old = match std::fs::metadata(out) {
+        Err(why) if why.kind() == std::io::ErrorKind::NotFound => Vec::new(),
+        Ok(found) if !found.is_file() => return Err(Failure::Input(format!("{}: is no file", out.display()))),
+        _ => std::fs::read(out).map_err(|why| failed(out, &why))?,
+    };
     let mut file =
         File::options().create(true).truncate(false).write(true).open(out).map_err(|why| failed(out, &why))?;
     // A bake killed in the header has written a part of just these bytes.

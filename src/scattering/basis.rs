@@ -96,8 +96,9 @@ impl Recipe {
 
     /// The batches of share `index` of `of`: as even as whole batches allow; all shares in order are all batches.
     pub fn share(&self, index: usize, of: usize) -> Range<usize> {
-        let n = self.batches().len();
-        n * index / of.max(1)..n * (index + 1) / of.max(1)
+        let (n, of) = (self.batches().len(), of.max(1) as u128);
+        let cut = |k: u128| (n as u128 * k.min(of) / of) as usize;
+        cut(index as u128)..cut(index as u128 + 1)
     }
 
     /// Bakes batches in order and hands every light's block to `sink` in order; as many batches are in memory as threads.

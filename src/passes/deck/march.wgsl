@@ -147,6 +147,7 @@ fn deck_march(@builtin(global_invocation_id) id: vec3<u32>) {
         if at >= piece.end || looks >= MOST_LOOKS {
             at = piece.end;
             looks = 0u;
+            beyond = clear_reach(near);
             going = transmittance >= OPAQUE && at < leg.end;
             if going {
                 piece = next_piece(leg, at, piece);
@@ -157,6 +158,7 @@ fn deck_march(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let own = exposed(direction, light, hidden, 1.0 - nearer.a - transmittance);
     if there.x < camera.width_px && there.y < camera.height_px {
-        textureStore(after, id.xy, nearer + own);
+        let light = min(nearer.rgb + own.rgb, vec3<f32>(BRIGHTEST));
+        textureStore(after, id.xy, vec4<f32>(light, nearer.a + own.a));
     }
 }

@@ -1,9 +1,9 @@
-//! The deck: layered volumetric cloud as instanced geometry (deck paper 4 and 5).
+//! The deck: layered volumetric cloud between slices and rings around the eye (deck paper 4 and 5).
 //!
-//! On the GPU each layer is one instanced draw of one small mesh: an instance is a piece of a slice between two ring
-//! radii, or one ring; the plan sorts them from far to near and the shader finds the exact crossing of the pixel's ray, so
-//! the mesh only says which pixels are met and in what order. The twin walks the same crossings ray by ray from near
-//! to far and stops when nothing more can be seen. See `clouds::slices` for the weights.
+//! A ray is cut into pieces by rings and by shells between slices; inside a piece steps follow the distance to the cloud's
+//! edge. A GPU has two forms of it: `deck.wgsl` draws the pieces as instances of one small mesh, near to far, where the mesh
+//! only says which pixels are met and in what order; `march.wgsl` walks them pixel by pixel in a compute pass. `field.wgsl`
+//! stands before both. The twin walks the same pieces ray by ray and stops when nothing more can be seen.
 
 pub mod field;
 pub mod instances;
@@ -19,7 +19,7 @@ pub const REGIONS: usize = 16;
 /// Flashes that light the deck at once.
 pub const FLASHES: usize = 64;
 
-/// A region's outline around the eye. Parameters; twin of `Region` in `deck.wgsl`.
+/// A region's outline around the eye. Parameters; twin of `Region` in `field.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Region {
@@ -43,7 +43,7 @@ pub struct Region {
     pub pad2: f32,
 }
 
-/// A flash as a point light. Parameters; twin of `Flash` in `deck.wgsl`.
+/// A flash as a point light. Parameters; twin of `Flash` in `common.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Flash {
@@ -53,7 +53,7 @@ pub struct Flash {
     pub intensity: f32,
 }
 
-/// Everything about one layer. Parameters; twin of `Layer` in `deck.wgsl`.
+/// Everything about one layer. Parameters; twin of `Layer` in `field.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Layer {

@@ -27,18 +27,25 @@ pub struct Leg {
     pub falling: bool,
 }
 
-/// The legs of layers given by base and top over the sphere, for an eye at a height. Linear in the layers where none share
-/// heights, at worst quadratic.
+/// Spans at most: each is a walk over the whole picture. Where there are more, layers stay whole and their order by base is a
+/// choice.
+const MOST_SPANS: usize = 64;
+
+/// The legs of layers given by base and top over the sphere, for an eye at a height.
 pub fn legs(layers: &[[f32; 2]], eye_m: f32) -> Vec<Leg> {
     let mut spans: Vec<(usize, Heights)> =
         layers.iter().enumerate().flat_map(|(i, own)| pieces(*own, layers).map(move |heights| (i, heights))).collect();
+    if spans.len() > MOST_SPANS.max(layers.len()) {
+        spans = layers.iter().map(|[low_m, high_m]| Heights { low_m: *low_m, high_m: *high_m }).enumerate().collect();
+    }
     spans.sort_by(|(i, a), (j, b)| a.low_m.total_cmp(&b.low_m).then(i.cmp(j)));
     let leg = |falling: bool| move |&(layer, heights): &(usize, Heights)| Leg { layer, heights, falling };
     let down = spans.iter().rev().filter(|(_, heights)| heights.low_m < eye_m).map(leg(true));
     down.chain(spans.iter().map(leg(false))).collect()
 }
 
-/// Whether any two layers share heights.
+/// Whether the base or top of any layer lies inside another: then one must be walked in spans. (Two with the same base and
+/// top are not cut.)
 pub fn overlap(layers: &[[f32; 2]]) -> bool {
     layers.iter().any(|own| pieces(*own, layers).count() > 1)
 }
@@ -87,6 +94,14 @@ mod tests {
         ];
         assert_eq!(falling, expected);
         assert!(overlap(&layers));
+    }
+
+    #[test]
+    fn however_many_layers_overlap_the_walks_stay_few() {
+        let layers: Vec<[f32; 2]> = (0..40).map(|i| [1000.0 + i as f32, 5000.0 + i as f32]).collect();
+        assert_eq!(legs(&layers, 20_000.0).len(), 80, "whole layers, each down and up");
+        let few: Vec<[f32; 2]> = layers[..4].to_vec();
+        assert!(legs(&few, 20_000.0).len() > 8);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Twin of `deck.wgsl`: walks the crossings of a ray with slices and rings from near to far.
+//! Twin of `march.wgsl` and `deck.wgsl`: walks the crossings of a ray with slices and rings from near to far.
 
 use super::field::{Textures, light_at, margin, phase, source};
 use super::spans::{Heights, Leg};

@@ -118,11 +118,14 @@ impl Known {
     /// A point given above mean sea level, or in an entity's axes; `None`: there is no such place.
     fn point(&self, in_entity: bool, entity: u16, at: [f64; 3]) -> Option<Geodetic> {
         let [latitude_deg, longitude_deg, _] = at;
-        match in_entity {
+        let found = match in_entity {
             true => self.entities.point(entity, at),
             false if latitude_deg.abs() > 90.0 || longitude_deg.abs() > 360.0 => None,
             false => Some(self.entities.geodetic(at)),
-        }
+        };
+        // What the world's ownship may not reach has no weather and no ground to be told of.
+        let [lowest_m, highest_m] = crate::world::limits::OWNSHIP_ALTITUDE_M;
+        found.filter(|point| (lowest_m..=highest_m).contains(&point.altitude_m))
     }
 
     fn heights(&self, request: &HatHotRequest) -> Packet {

@@ -54,6 +54,8 @@ pub(super) struct Session {
     outbox: Outbox,
     /// Answers that are being worked out, and the Start of Frame that they wait for.
     working: Option<JoinHandle<Vec<Packet>>>,
+    /// What is being worked out was asked before everything was forgotten: no answer to anybody.
+    stale: bool,
     /// The host's number and the current of each flash that nobody has seen yet.
     strikes: BTreeMap<u64, (u16, f32)>,
     storms_until_s: f64,
@@ -78,6 +80,7 @@ impl Session {
             questions: Questions::default(),
             outbox: Outbox::default(),
             working: None,
+            stale: false,
             strikes: BTreeMap::new(),
             storms_until_s: 0.0,
             drawing: None,
@@ -167,7 +170,9 @@ impl Session {
             Some(working) => {
                 let answers = working.await;
                 self.working = None;
+                let stale = std::mem::take(&mut self.stale);
                 match answers {
+                    Ok(_) if stale => {}
                     Ok(answers) => self.push(answers),
                     Err(error) => {
                         self.app.metrics.faults.fetch_add(1, Relaxed);
@@ -283,7 +288,9 @@ impl Session {
         self.questions.clear();
         self.outbox.clear();
         self.strikes.clear();
-        (self.working, self.drawing, self.answered, self.storms_until_s) = (None, None, true, 0.0);
+        // A job cannot be cancelled: the next begins when it has ended, so that a host that comes and goes piles up none.
+        self.stale = self.working.is_some();
+        (self.drawing, self.answered, self.storms_until_s) = (None, true, 0.0);
     }
 
     fn moment(&self, control: &IgControl) -> Moment {
