@@ -107,9 +107,9 @@ impl Recorder<'_> {
         plan: &FramePlan,
     ) {
         let ground = plan.ground.as_ref().map(|ground| {
-            let uniform = self.gpu.buffer("ground", bytemuck::bytes_of(ground), wgpu::BufferUsages::STORAGE);
+            let parameters = self.gpu.buffer("ground", bytemuck::bytes_of(ground), wgpu::BufferUsages::STORAGE);
             let shadow = self.target.shadow.as_ref().unwrap_or(self.nothing);
-            let resources = [uniform.as_entire_binding(), wgpu::BindingResource::TextureView(shadow)];
+            let resources = [parameters.as_entire_binding(), wgpu::BindingResource::TextureView(shadow)];
             (GroundVariant::of(ground, plan), group(self.gpu, &pipelines.ground_layout, &resources))
         });
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {

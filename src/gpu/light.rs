@@ -9,7 +9,7 @@ use crate::passes::light::Light;
 /// Format of a light volume (8 MiB each): square roots of shares, which 8 bits hold to 0.8 % at full light.
 pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
-/// Bytes between two slices' numbers in their uniform buffer (the least offset that WebGPU guarantees).
+/// Bytes between two slices' numbers in their buffer (the least offset that WebGPU guarantees).
 const STRIDE: u64 = 256;
 
 /// Buffers that every light volume is computed with.
@@ -55,14 +55,14 @@ pub fn compute(
     let usage = Usage::STORAGE_BINDING | Usage::TEXTURE_BINDING | Usage::COPY_SRC;
     let volume = empty(gpu, "light volume", FORMAT, size, usage);
     let view = volume.create_view(&wgpu::TextureViewDescriptor::default());
-    let uniform = gpu.buffer("light", bytemuck::bytes_of(params), wgpu::BufferUsages::STORAGE);
+    let parameters = gpu.buffer("light", bytemuck::bytes_of(params), wgpu::BufferUsages::STORAGE);
     let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
     let slice = wgpu::BufferBinding { buffer: &scratch.slices, offset: 0, size: wgpu::BufferSize::new(16) };
     let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some("light"),
         layout: &pipelines.light_layout,
         entries: &[
-            entry(0, uniform.as_entire_binding()),
+            entry(0, parameters.as_entire_binding()),
             entry(1, wgpu::BindingResource::Buffer(slice)),
             entry(2, wgpu::BindingResource::TextureView(shape)),
             entry(3, scratch.above.as_entire_binding()),

@@ -161,7 +161,7 @@ pub fn block(recipe: &Recipe, light: usize, block: &Block) -> Vec<u8> {
 }
 
 /// The end of a complete file: number of lights, sums of squares of coefficients and of their error (the measured error
-/// of storing is the root of their ratio), checksum of all blocks' checksums.
+/// of storing is the root of their ratio), and a checksum of the header and that number.
 pub fn trailer(blocks: &[Block], recipe: &Recipe) -> Vec<u8> {
     let mut body = Writer::default();
     body.put_u64_le(blocks.len() as u64);
