@@ -18,6 +18,7 @@ pub mod reed_wyvill;
 pub mod scene;
 pub mod shape;
 pub mod statistics;
+pub mod strike;
 pub mod tables;
 pub mod tortuosity;
 mod urn;
