@@ -107,6 +107,7 @@ impl Scene {
                 polarity: Polarity::Negative,
                 peak_current_ka: Some(30.0),
                 strokes: Strokes::Sample,
+                leader: false,
                 seed: 1,
             }));
         }

@@ -10,6 +10,7 @@ pub mod flash;
 mod frontier;
 pub mod grid;
 pub mod grow;
+pub mod guard;
 pub mod laplacian;
 pub mod photometry;
 pub mod random;

@@ -1,7 +1,17 @@
-//! From peak current to light: how much luminous energy a stroke gives, and how it comes out in time.
+//! From peak current to light: how much luminous energy a stroke gives, how it comes out in time and along the channel.
 //!
-//! The chain: peak current -> optical energy (0.4 to 1.1 micrometres) -> luminous energy -> luminous power in time.
-//! The evidence is thin: single strokes of one current scatter by a factor of three and more about the mean.
+//! The chain, with what is known of each link:
+//!
+//! 1. peak current -> optical energy, 0.4 to 1.1 micrometres: [`OPTICAL_JOULES_PER_KA`]. Single strokes of one current scatter
+//!    by a factor of three and more about the mean (Guo and Krider: 2.3e9 W at the peak, with a standard deviation of 1.8e9 W).
+//! 2. optical -> luminous energy: [`LUMENS_PER_OPTICAL_WATT`], within a third.
+//! 3. luminous energy -> power in time: [`stroke_share`]. Rise and decay are shorter than any frame, so that pictures depend on
+//!    the energy alone. Near the channel light decays faster (Guo and Krider: energy over peak power is 160 microseconds).
+//! 4. luminous flux -> luminous intensity per metre of channel: [`intensity_per_metre_cd`]. The channel radiates alike in all
+//!    directions (optically thin; were it thick, a metre seen end-on would give nothing and one from the side 4/pi times as
+//!    much), and its light is spread over its length by brightness.
+//!
+//! All links together: a factor of about four either way for a single stroke, and about two for the mean of many.
 
 /// Optical energy in joules per kiloampere of peak current, 0.4 to 1.1 micrometres.
 ///
@@ -28,9 +38,27 @@ pub const DECAYS_TO_DARK: f64 = 24.0;
 /// (A steady arc may give less; no measurement is known that would settle it.)
 const CONTINUING_CURRENT_LIGHT: f64 = 1.0;
 
+/// Length of a dart leader in seconds: some kilometres of old channel at 1e6 to 2e7 m/s take 0.2 to 5 ms.
+pub const DART_LEADER_S: f64 = 2e-3;
+/// Luminous energy of a dart leader as a share of its stroke's.
+///
+/// At its peak a tenth of the stroke's light at the same place (0.02 to 0.23: Idone and Orville 1985, JGR 90 6159). Were only its
+/// head of 35 m to shine (Mach and Rust 1997, JGR 102 11021), that would be 3e-4 of the energy; were the channel behind it as
+/// bright, 0.08. That channel is seen, fainter than the head: 0.03 is taken, right within a factor of ten below and three above.
+pub const DART_LEADER_SHARE: f64 = 0.03;
+/// Luminous energy of a stepped leader as a share of its stroke's: some 1e6 W for some 30 ms against 4e5 J. An assumption, good
+/// to a factor of five; leaders are seen "faintly", and no absolute energies are known.
+pub const STEPPED_LEADER_SHARE: f64 = 0.05;
+
 /// Luminous energy of a stroke in lumen seconds.
 pub fn luminous_energy_lm_s(peak_current_ka: f64) -> f64 {
     peak_current_ka * OPTICAL_JOULES_PER_KA * LUMENS_PER_OPTICAL_WATT
+}
+
+/// Luminous intensity in candela of a metre of channel of brightness 1, where this luminous flux is spread over a length (each
+/// metre counted by its brightness, so that a whole channel gives the whole flux).
+pub fn intensity_per_metre_cd(flux_lm: f64, bright_length_m: f64) -> f64 {
+    flux_lm / (4.0 * std::f64::consts::PI * bright_length_m)
 }
 
 /// Luminous power in lumens that a steady current gives: the stroke's energy over its decay time, at the same current.
@@ -51,7 +79,8 @@ pub fn stroke_share(after_s: f64) -> f64 {
 }
 
 /// Rate at which a stroke's luminous energy comes out, in shares per second: the derivative of [`stroke_share`].
-pub fn stroke_rate(after_s: f64) -> f64 {
+#[cfg(test)]
+pub(super) fn stroke_rate(after_s: f64) -> f64 {
     if after_s <= 0.0 || after_s >= stroke_duration_s() {
         return 0.0;
     }
@@ -105,6 +134,16 @@ mod tests {
         let peak_w =
             (0..1000).map(|k| stroke_rate(f64::from(k) * 1e-6)).fold(0.0, f64::max) * 30.0 * OPTICAL_JOULES_PER_KA;
         assert!((1e8..1e10).contains(&peak_w), "{peak_w}");
+    }
+
+    #[test]
+    fn a_metre_of_a_typical_channel_has_the_power_that_is_seen() {
+        // Guo and Krider 1982: 1e6 W/m in the mean of first strokes near the ground, when a stroke's light is 160 microseconds
+        // long and its channel some 2.3 km (2.3e9 W at the peak). Energy is what counts here: 1e6 W/m for 160 us are 160 J/m.
+        let metre_lm_s = 4.0 * std::f64::consts::PI * intensity_per_metre_cd(luminous_energy_lm_s(30.0), 2_300.0);
+        let joules_per_metre = metre_lm_s / LUMENS_PER_OPTICAL_WATT;
+        // The factor of two of the chain's mean.
+        assert!((80.0..320.0).contains(&joules_per_metre), "{joules_per_metre}");
     }
 
     #[test]

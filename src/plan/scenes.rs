@@ -3,6 +3,7 @@
 use crate::clouds::CloudKind;
 use crate::geo::frames::enu;
 use crate::geo::{Attitude, Geodetic};
+use crate::lightning::flash::Light;
 use crate::world::command::{Exposure, FlashKind, Polarity, RegionShape};
 use crate::world::snapshot::{
     DeckForm, FlashState, LayerState, OwnshipState, Quality, RegionState, SkyState, Snapshot, ViewState, WeatherState,
@@ -86,6 +87,9 @@ pub fn flash(position: Geodetic) -> FlashState {
         begin_s: 0.0,
         end_s: 0.5,
         intensity_cd: 1e9,
+        seed: 1,
+        ground_points_m: vec![[0.0; 2]],
+        lights: vec![Light { channel: 0, branches: true, span: [0.0, 1.0], amount: 4.0 * std::f64::consts::PI * 1e9 }],
     }
 }
 

@@ -180,6 +180,10 @@ pub const STRIKE_ALTITUDE_M: Range = Range::of(world::STRIKE_ALTITUDE_M);
 pub const PEAK_CURRENT_KA: Range = Range::of(world::PEAK_CURRENT_KA);
 /// Strokes of one flash; the most seen in one flash are about 26.
 pub const STROKES: Whole = Whole::new(1, world::MAX_STROKES as u64);
+/// Length of a stroke's continuing current.
+pub const CONTINUING_S: Range = Range::of(world::CONTINUING_S);
+/// A stroke's ground point against the flash's place, east or north.
+pub const GROUND_POINT_M: Range = Range::of(world::GROUND_POINT_M);
 /// Delay of a stroke after its flash began; flashes last up to about 2 s.
 pub const STROKE_DELAY_S: Range = Range::of(world::STROKE_DELAY_S);
 

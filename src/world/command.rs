@@ -255,6 +255,8 @@ pub struct StrikeRequest {
     pub peak_current_ka: Option<f64>,
     /// Strokes.
     pub strokes: Strokes,
+    /// Whether the flash begins with its stepped leader, faintly, and not with its first return stroke.
+    pub leader: bool,
     /// Seed of everything that is drawn by chance.
     pub seed: u64,
 }

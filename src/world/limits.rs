@@ -92,6 +92,10 @@ pub const EV100: [f64; 2] = [-12.0, 24.0];
 pub const STRIKE_ALTITUDE_M: [f64; 2] = [-500.0, 25_000.0];
 /// Peak current in kiloamperes.
 pub const PEAK_CURRENT_KA: [f64; 2] = [0.1, 500.0];
+/// Length of a given continuing current in seconds; the longest seen is 0.8 s.
+pub const CONTINUING_S: [f64; 2] = [0.0, 1.5];
+/// Distance of a stroke's ground point from its flash's place, east or north, in metres; the farthest seen is 7.3 km.
+pub const GROUND_POINT_M: [f64; 2] = [-20_000.0, 20_000.0];
 /// Delay of a stroke after the flash begins in seconds.
 pub const STROKE_DELAY_S: [f64; 2] = [0.0, 5.0];
 

@@ -15,6 +15,7 @@ mod clock;
 mod drift;
 mod ease;
 mod layer;
+mod light;
 mod ownship;
 mod player;
 mod state;

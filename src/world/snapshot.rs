@@ -2,6 +2,7 @@
 
 use crate::clouds::CloudKind;
 use crate::geo::{Attitude, Geodetic};
+use crate::lightning::flash::Light;
 use glam::{DQuat, DVec3};
 
 use super::command::{Exposure, FlashKind, Frustum, Polarity, RegionShape};
@@ -126,8 +127,16 @@ pub struct FlashState {
     pub begin_s: f64,
     /// Simulation time at which its last light ends.
     pub end_s: f64,
-    /// Mean luminous intensity over the shutter interval in candela (luminous energy in it / its length / 4 pi).
+    /// Mean luminous intensity over the shutter interval in candela (luminous energy in it / its length / 4 pi): that of all
+    /// `lights` together.
     pub intensity_cd: f64,
+    /// Seed of its channels.
+    pub seed: u64,
+    /// The ground point of each of its channels, metres east and north of its place; one of `[0, 0]` for a flash that does not
+    /// come to the ground.
+    pub ground_points_m: Vec<[f64; 2]>,
+    /// Which parts of its channels shine in the shutter interval, with their mean luminous flux in lumens.
+    pub lights: Vec<Light>,
 }
 
 /// Sun and moon as directions from the Earth's centre, ECEF axes, unit length.

@@ -8,6 +8,7 @@ use super::check;
 use super::clock::Clock;
 use super::command::{Command, Ownship, SkyEdit, StrikeRequest, WeatherEdit};
 use super::event::{Applied, Refused};
+use super::light;
 use super::limits;
 use super::ownship::LastKnown;
 use super::regions::{self, Region};
@@ -146,7 +147,8 @@ impl State {
 
     /// The flashes of which some part lies in `[begin_s, end_s)`.
     pub fn flashes(&self, begin_s: f64, end_s: f64) -> Vec<FlashState> {
-        self.strikes.at(begin_s, end_s)
+        let ongoing: Vec<_> = self.strikes.ongoing(begin_s).collect();
+        light::states(&ongoing, begin_s, end_s, None)
     }
 
     /// Everything at this moment.
@@ -164,7 +166,7 @@ impl State {
             weather: self.weather.at(now_s),
             regions: regions::at(&self.regions, now_s),
             views: self.views.iter().map(|view| self.carried(view, now_s)).collect(),
-            flashes: self.strikes.at(now_s, now_s + shutter_s),
+            flashes: self.flashes(now_s, now_s + shutter_s),
             sky: SkyState {
                 sun_direction_ecef: sky.sun_m.normalize(),
                 moon_direction_ecef: sky.moon_m.normalize(),

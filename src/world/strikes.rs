@@ -2,13 +2,14 @@
 
 use crate::geo::Geodetic;
 use crate::lightning::flash::Flash;
+use std::borrow::Cow;
 use std::collections::VecDeque;
 
 use super::check;
-use super::command::{StrikeRequest, Strokes};
+use super::command::{FlashKind, StrikeRequest, Strokes};
 use super::event::Refused;
+use super::light::Ongoing;
 use super::limits;
-use super::snapshot::FlashState;
 
 /// All flashes that are not over, and the numbers of those that are.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -52,13 +53,15 @@ impl Strikes {
         self.settle(now_s);
         check::at_most("strike", self.pending.len() + 1, limits::MAX_PENDING_STRIKES, "flashes waiting or under way")?;
         let flash = match &request.strokes {
-            Strokes::Sample => Flash::sample(request.kind, request.polarity, request.peak_current_ka, request.seed),
+            Strokes::Sample => {
+                Flash::sample(request.kind, request.polarity, request.peak_current_ka, request.leader, request.seed)
+            }
             Strokes::Given(strokes) => {
                 let mut strokes = strokes.clone();
                 if let (Some(first), Some(peak_current_ka)) = (strokes.first_mut(), request.peak_current_ka) {
                     first.peak_current_ka = peak_current_ka;
                 }
-                Flash::given(request.kind, request.polarity, &strokes, request.seed)
+                Flash::given(request.kind, request.polarity, &strokes, request.leader, request.seed)
             }
         };
         let position = Geodetic {
@@ -77,33 +80,17 @@ impl Strikes {
         }
     }
 
-    /// The flashes of which some part lies in `[begin_s, end_s)`, with their light in it; those that still wait are
-    /// taken to begin at `begin_s`.
-    pub fn at(&self, begin_s: f64, end_s: f64) -> Vec<FlashState> {
-        let mut states = Vec::new();
-        for pending in &self.pending {
-            let first_s = pending.begin_s.unwrap_or(begin_s);
-            let last_s = first_s + pending.flash.duration_s();
-            // An interval of no length is one instant.
-            if last_s <= begin_s || first_s > begin_s && first_s >= end_s {
-                continue;
-            }
-            let power_lm = if end_s > begin_s {
-                pending.flash.energy_in_lm_s(begin_s - first_s, end_s - first_s) / (end_s - begin_s)
-            } else {
-                pending.flash.power_lm(begin_s - first_s)
-            };
-            states.push(FlashState {
-                id: pending.id,
-                position: pending.position,
-                kind: pending.request.kind,
-                polarity: pending.request.polarity,
-                begin_s: first_s,
-                end_s: last_s,
-                intensity_cd: power_lm / (4.0 * std::f64::consts::PI),
-            });
-        }
-        states
+    /// All flashes that may be under way or to come; those that wait for a picture are taken to begin at `begin_s`.
+    pub(super) fn ongoing(&self, begin_s: f64) -> impl Iterator<Item = Ongoing<'_>> {
+        self.pending.iter().map(move |pending| Ongoing {
+            id: pending.id,
+            position: pending.position,
+            kind: pending.request.kind,
+            polarity: pending.request.polarity,
+            seed: pending.request.seed,
+            begin_s: pending.begin_s.unwrap_or(begin_s),
+            flash: Cow::Borrowed(&pending.flash),
+        })
     }
 
     /// Numbers of the flashes that are over since the last call.
@@ -162,6 +149,12 @@ fn check_request(request: &StrikeRequest, now_s: f64) -> Result<(), Refused> {
     check::at_most("strokes", strokes.len(), limits::MAX_STROKES, "strokes")?;
     let mut before_s = 0.0;
     for (index, stroke) in strokes.iter().enumerate() {
+        if let Some(continuing_s) = stroke.continuing_s {
+            check::within(&format!("strokes[{index}].continuing_s"), continuing_s, limits::CONTINUING_S)?;
+        }
+        if let Some(point) = stroke.ground_point_m {
+            check_ground_point(&format!("strokes[{index}].ground_point_m"), point, request.kind)?;
+        }
         let delay = format!("strokes[{index}].delay_s");
         check::within(&delay, stroke.delay_s, limits::STROKE_DELAY_S)?;
         check::within(&format!("strokes[{index}].peak_current_ka"), stroke.peak_current_ka, limits::PEAK_CURRENT_KA)?;
@@ -169,6 +162,17 @@ fn check_request(request: &StrikeRequest, now_s: f64) -> Result<(), Refused> {
             return Err(Refused::new(delay, stroke.delay_s, format!("at least {before_s}"), "not in rising order"));
         }
         before_s = stroke.delay_s;
+    }
+    Ok(())
+}
+
+fn check_ground_point(field: &str, point: [f64; 2], kind: FlashKind) -> Result<(), Refused> {
+    if kind != FlashKind::CloudToGround {
+        let value = format!("[{}, {}]", point[0], point[1]);
+        return Err(Refused::new(field, value, "only for cloud_to_ground", "this flash does not come to the ground"));
+    }
+    for (axis, value) in point.into_iter().enumerate() {
+        check::within(&format!("{field}[{axis}]"), value, limits::GROUND_POINT_M)?;
     }
     Ok(())
 }

@@ -59,9 +59,10 @@ pub(super) fn strike() -> StrikeRequest {
         polarity: Polarity::Negative,
         peak_current_ka: None,
         strokes: Strokes::Given(vec![
-            StrokeSpec { delay_s: 0.0, peak_current_ka: 25.0 },
-            StrokeSpec { delay_s: 0.05, peak_current_ka: 10.0 },
+            StrokeSpec { delay_s: 0.0, peak_current_ka: 25.0, ..Default::default() },
+            StrokeSpec { delay_s: 0.05, peak_current_ka: 10.0, ..Default::default() },
         ]),
+        leader: false,
         seed: 5,
     }
 }
@@ -278,7 +279,8 @@ fn frames_gather_all_the_light_of_a_flash() {
             sum += world.snapshot(1.0 / rate_hz).flashes.iter().map(|f| f.intensity_cd / rate_hz).sum::<f64>();
         }
         let Strokes::Given(strokes) = strike().strokes else { unreachable!() };
-        let flash = crate::lightning::flash::Flash::given(strike().kind, strike().polarity, &strokes, strike().seed);
+        let flash =
+            crate::lightning::flash::Flash::given(strike().kind, strike().polarity, &strokes, false, strike().seed);
         let all = flash.energy_lm_s() / (4.0 * std::f64::consts::PI);
         // The ends of abutting frames, k / rate + 1 / rate and (k + 1) / rate, agree to 1e-16 s, a millionth of a
         // millionth of the decay time.
@@ -299,7 +301,7 @@ fn frames_gather_all_the_light_of_a_flash_of_a_scenario() {
         sum += flashes.iter().map(|f| f.intensity_cd / 60.0).sum::<f64>();
     }
     let Strokes::Given(strokes) = strike().strokes else { unreachable!() };
-    let flash = crate::lightning::flash::Flash::given(strike().kind, strike().polarity, &strokes, strike().seed);
+    let flash = crate::lightning::flash::Flash::given(strike().kind, strike().polarity, &strokes, false, strike().seed);
     let all = flash.energy_lm_s() / (4.0 * std::f64::consts::PI);
     // As above.
     assert!((sum / all - 1.0).abs() < 1e-6, "{sum} of {all}");
@@ -327,7 +329,7 @@ fn a_flash_without_a_height_is_in_the_lowest_cloud_of_its_place() {
 fn strikes_out_of_bounds_are_refused() {
     let mut world = World::new();
     world.advance_to(10.0);
-    let stroke = |delay_s, peak_current_ka| StrokeSpec { delay_s, peak_current_ka };
+    let stroke = |delay_s, peak_current_ka| StrokeSpec { delay_s, peak_current_ka, ..Default::default() };
     let given = |list: Vec<StrokeSpec>| StrikeRequest { strokes: Strokes::Given(list), ..strike() };
     for (bad, field) in [
         (StrikeRequest { latitude_deg: f64::NAN, ..strike() }, "latitude_deg"),

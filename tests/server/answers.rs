@@ -26,6 +26,7 @@ fn a_flash_is_lit_only_while_it_gives_light() {
         polarity: Polarity::Negative,
         peak_current_ka: Some(30.0),
         strokes: Strokes::Sample,
+        leader: false,
         seed: 1,
     };
     world.apply(Command::Strike(request)).unwrap();

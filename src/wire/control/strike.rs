@@ -36,6 +36,9 @@ pub struct StrikeMessage {
     /// `"sample"`: drawn by the seed from the published distributions; or a list of strokes.
     #[serde(default)]
     pub strokes: StrokesJson,
+    /// Whether the flash begins with its stepped leader, faintly, and not with its first return stroke.
+    #[serde(default)]
+    pub leader: bool,
     /// Seed of everything that is drawn by chance.
     #[serde(default)]
     pub seed: u64,
@@ -91,6 +94,29 @@ pub struct StrokeJson {
     /// Peak current.
     #[schemars(range(min = limits::PEAK_CURRENT_KA.min, max = limits::PEAK_CURRENT_KA.max))]
     pub peak_current_ka: f64,
+    /// Length of its continuing current, 0 for none; without it drawn by the seed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = limits::CONTINUING_S.min, max = limits::CONTINUING_S.max))]
+    pub continuing_s: Option<f64>,
+    /// Metres east and north of the flash's place to the ground point of this stroke and those after it, of a flash to ground;
+    /// without it where the stroke before went. A point that no stroke had before is the end of a channel of its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(inner(range(min = limits::GROUND_POINT_M.min, max = limits::GROUND_POINT_M.max)))]
+    pub ground_point_m: Option<[f64; 2]>,
+}
+
+impl From<StrokeJson> for StrokeSpec {
+    fn from(stroke: StrokeJson) -> Self {
+        let StrokeJson { delay_s, peak_current_ka, continuing_s, ground_point_m } = stroke;
+        Self { delay_s, peak_current_ka, continuing_s, ground_point_m }
+    }
+}
+
+impl From<StrokeSpec> for StrokeJson {
+    fn from(stroke: StrokeSpec) -> Self {
+        let StrokeSpec { delay_s, peak_current_ka, continuing_s, ground_point_m } = stroke;
+        Self { delay_s, peak_current_ka, continuing_s, ground_point_m }
+    }
 }
 
 fn usual_polarity() -> PolarityName {
@@ -135,6 +161,7 @@ impl TryFrom<StrikeMessage> for StrikeRequest {
             polarity: message.polarity.into(),
             peak_current_ka: message.peak_current_ka,
             strokes,
+            leader: message.leader,
             seed: message.seed,
         })
     }
@@ -147,14 +174,11 @@ fn rising(strokes: Vec<StrokeJson>) -> Result<Vec<StrokeSpec>, Refused> {
             return Err(Refused::new(field, pair[1].delay_s, limit, "strokes stand in rising order of their delays"));
         }
     }
-    let spec = |stroke: StrokeJson| StrokeSpec { delay_s: stroke.delay_s, peak_current_ka: stroke.peak_current_ka };
-    Ok(strokes.into_iter().map(spec).collect())
+    Ok(strokes.into_iter().map(StrokeSpec::from).collect())
 }
 
 impl From<&StrikeRequest> for StrikeMessage {
     fn from(request: &StrikeRequest) -> Self {
-        let stroke =
-            |stroke: &StrokeSpec| StrokeJson { delay_s: stroke.delay_s, peak_current_ka: stroke.peak_current_ka };
         Self {
             latitude_deg: request.latitude_deg,
             longitude_deg: request.longitude_deg,
@@ -165,8 +189,9 @@ impl From<&StrikeRequest> for StrikeMessage {
             peak_current_ka: request.peak_current_ka,
             strokes: match &request.strokes {
                 Strokes::Sample => StrokesJson::default(),
-                Strokes::Given(strokes) => StrokesJson::Given(strokes.iter().map(stroke).collect()),
+                Strokes::Given(strokes) => StrokesJson::Given(strokes.iter().map(|&stroke| stroke.into()).collect()),
             },
+            leader: request.leader,
             seed: request.seed,
         }
     }

@@ -192,9 +192,13 @@ fn strike_fields() {
         Command::Strike(changed)
     };
     let strokes = |a: (f64, f64), b: (f64, f64)| {
-        let one = |(delay_s, peak_current_ka)| StrokeSpec { delay_s, peak_current_ka };
+        let one = |(delay_s, peak_current_ka)| StrokeSpec { delay_s, peak_current_ka, ..Default::default() };
         Strokes::Given(vec![one(a), one(b)])
     };
+    fn first(request: &mut StrikeRequest) -> &mut StrokeSpec {
+        let Strokes::Given(strokes) = &mut request.strokes else { panic!("strokes are given") };
+        &mut strokes[0]
+    }
     let variants = vec![
         ("latitude_deg", with(&|s| s.latitude_deg += 1e-6)),
         ("longitude_deg", with(&|s| s.longitude_deg += 1e-6)),
@@ -206,6 +210,9 @@ fn strike_fields() {
         ("strokes", with(&|s| s.strokes = Strokes::Sample)),
         ("delay_s", with(&|s| s.strokes = strokes((0.0, 25.0), (0.051, 10.0)))),
         ("stroke current", with(&|s| s.strokes = strokes((0.0, 25.0), (0.05, 11.0)))),
+        ("leader", with(&|s| s.leader = true)),
+        ("continuing_s", with(&|s| first(s).continuing_s = Some(0.2))),
+        ("ground_point_m", with(&|s| first(s).ground_point_m = Some([300.0, 0.0]))),
     ];
     all_differ(&with(&|_| ()), variants, &[]);
     let sample = |seed, peak_current_ka| {

@@ -204,7 +204,15 @@ fn pictures() -> Vec<Case> {
 
 fn questions() -> Vec<Case> {
     let plan = json!({"type": "query", "what": "plan", "view": "main"});
-    vec![case("query.plan.view", &stepping(), plan.clone(), with(&plan, "view", json!("tail")), &[])]
+    let strike = |east_m: f64| {
+        json!({"type": "strike", "latitude_deg": 47, "longitude_deg": 8, "flash_type": "cloud_to_ground",
+            "strokes": [{"delay_s": 0, "peak_current_ka": 20, "ground_point_m": [east_m, 0]}]})
+    };
+    let state = [json!({"type": "query", "what": "state"})];
+    vec![
+        case("query.plan.view", &stepping(), plan.clone(), with(&plan, "view", json!("tail")), &[]),
+        case("strike.strokes[].ground_point_m", &stepping(), strike(0.0), strike(900.0), &state),
+    ]
 }
 
 fn scenarios() -> Vec<Case> {

@@ -281,6 +281,8 @@ fn strikes() -> Vec<Case> {
     };
     let drawn = with(&message, "/peak_current_ka", json!(null));
     let listed = with(&drawn, "/strokes", json!([{"delay_s": 0.0, "peak_current_ka": 30}]));
+    // A weak stroke, beside which a continuing current shows.
+    let weak = with(&drawn, "/strokes", json!([{"delay_s": 0.0, "peak_current_ka": 1, "continuing_s": 0}]));
     let stroke = |field: &'static str, at: &str, value: Value| {
         case(field, &before, listed.clone(), with(&listed, at, value), 5.0)
     };
@@ -299,5 +301,13 @@ fn strikes() -> Vec<Case> {
         case("strike.strokes", &before, drawn, listed.clone(), 5.0),
         stroke("strike.strokes[].delay_s", "/strokes/0/delay_s", json!(0.03)),
         stroke("strike.strokes[].peak_current_ka", "/strokes/0/peak_current_ka", json!(90)),
+        case(
+            "strike.strokes[].continuing_s",
+            &before,
+            weak.clone(),
+            with(&weak, "/strokes/0/continuing_s", json!(1.0)),
+            5.0,
+        ),
+        one("strike.leader", "/leader", json!(true)),
     ]
 }

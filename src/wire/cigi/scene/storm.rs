@@ -91,6 +91,7 @@ impl Storm {
             polarity: if unit(polarity) < 0.1 { Polarity::Positive } else { Polarity::Negative },
             peak_current_ka: Some(peak.clamp(2.0, 300.0)),
             strokes: Strokes::Sample,
+            leader: false,
             seed: u64::from(seed_high) << 32 | u64::from(seed_low),
         }
     }

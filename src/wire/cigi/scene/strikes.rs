@@ -143,6 +143,7 @@ impl Scene {
             polarity,
             peak_current_ka: peak,
             strokes,
+            leader: false,
             seed,
         };
         Ok((packet.strike_id, Some(request)))
@@ -175,6 +176,7 @@ fn strokes(count: u8, first_ka: f64, seed: u64) -> Vec<StrokeSpec> {
             StrokeSpec {
                 delay_s,
                 peak_current_ka: if number == 0 { first_ka } else { (first_ka * LATER_SHARE).max(0.1) },
+                ..StrokeSpec::default()
             }
         })
         .collect()

@@ -145,6 +145,9 @@ pub struct FlashOut {
     pub end_s: f64,
     /// Mean luminous intensity over the shutter interval.
     pub intensity_cd: f64,
+    /// The ground point of each of its channels, metres east and north of its place; one of `[0, 0]` for a flash that does not
+    /// come to the ground.
+    pub ground_points_m: Vec<[f64; 2]>,
 }
 
 /// Sun and moon, seen from the ownship (without refraction).

@@ -44,6 +44,9 @@ fn example() -> Snapshot {
         begin_s: 1.0,
         end_s: 2.0,
         intensity_cd: 1e9,
+        seed: 1,
+        ground_points_m: vec![[0.0; 2]],
+        lights: Vec::new(),
     });
     snapshot
 }
@@ -96,6 +99,7 @@ fn every_part_of_a_snapshot_is_in_the_state_message() {
         ("flash begin", |s| s.flashes[0].begin_s -= 0.5),
         ("flash end", |s| s.flashes[0].end_s += 0.5),
         ("flash intensity", |s| s.flashes[0].intensity_cd *= 2.0),
+        ("flash ground points", |s| s.flashes[0].ground_points_m.push([900.0, -300.0])),
         ("sun", |s| s.sky.sun_direction_ecef = DVec3::Z),
         ("moon", |s| s.sky.moon_direction_ecef = DVec3::Z),
         ("moon", |s| s.sky.moon_lit_fraction *= 0.5),

@@ -106,6 +106,7 @@ impl From<&FlashState> for FlashOut {
             begin_s: flash.begin_s,
             end_s: flash.end_s,
             intensity_cd: flash.intensity_cd,
+            ground_points_m: flash.ground_points_m.clone(),
         }
     }
 }
