@@ -2,7 +2,9 @@
 //!
 //! What: the sphere of radius [`MEAN_RADIUS_M`] is covered by 32 stereographic charts about the vertices of the pentakis
 //! dodecahedron (12 vertices and 20 face centres of the icosahedron). Stereographic maps keep angles; with scale 0.976 at
-//! the centre each is true to about 2.4 % wherever it has weight. Neighbours are cross-faded over about 150 km.
+//! the centre each is true to about 2.4 % wherever it has weight. Neighbours are cross-faded over about 10 km: half-way
+//! two patterns are drawn into each other, which is neither one's look and costs twice, so the zone is narrow; it is several
+//! times wider than a cloud, so that it is no edge.
 //!
 //! How it is read: around an eye every chart is a Moebius map of the eye's own stereographic coordinate, so that a shader
 //! in f32 works with small numbers about the eye and one f64 origin per chart.
@@ -18,8 +20,8 @@ pub const CENTRE_SCALE: f64 = 0.976;
 /// Most charts that have weight at one point, and most that [`charts_near`] returns.
 pub const MOST_AT_ONCE: usize = 3;
 /// How far behind the nearest centre, as a difference of cosines, a chart still has weight: neighbours are 37.4 or 41.8
-/// degrees apart, which makes the zone of transition between them 150 or 134 km wide.
-pub const BLEND: f64 = 0.007_54;
+/// degrees apart, which makes the zone of transition between them 10.7 or 9.6 km wide.
+pub const BLEND: f64 = 0.000_54;
 
 /// A chart as seen from an eye. All f64; the caller narrows to f32.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,6 +7,8 @@ use super::pipelines::Pipelines;
 
 /// Pixels of a workgroup each way.
 const GROUP: u32 = 8;
+/// The shader takes rows of workgroups in this many turns.
+const TURNS: u32 = 8;
 
 /// Records the deck and returns which of the target's two images it ends in: each dispatch reads one and writes the other.
 pub fn record(gpu: &Gpu, pipelines: &mut Pipelines, encoder: &mut wgpu::CommandEncoder, scene: &Scene) -> usize {
@@ -29,7 +31,7 @@ pub fn record(gpu: &Gpu, pipelines: &mut Pipelines, encoder: &mut wgpu::CommandE
         pass.set_pipeline(pipelines.march(gpu, deck.variant, leg.falling));
         pass.set_bind_group(1, &deck.group, &[]);
         pass.set_bind_group(2, images, &[]);
-        pass.dispatch_workgroups(size.width.div_ceil(GROUP), size.height.div_ceil(GROUP), 1);
+        pass.dispatch_workgroups(size.width.div_ceil(GROUP), size.height.div_ceil(GROUP).next_multiple_of(TURNS), 1);
     }
     (legs.len() + 1) % 2
 }

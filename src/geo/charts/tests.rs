@@ -93,7 +93,7 @@ fn weights_add_up_with_at_most_three_and_true_scale() {
 }
 
 #[test]
-fn weights_have_no_step_and_the_zone_is_150_km_wide() {
+fn weights_have_no_step_and_the_zone_is_10_km_wide() {
     for (from, to) in [(0, None), (12, Some(37.4)), (12, Some(41.8))] {
         let start = AXES[from].z_axis;
         let to = (0..CHARTS)
@@ -103,21 +103,21 @@ fn weights_have_no_step_and_the_zone_is_150_km_wide() {
             .unwrap();
         let angle = start.angle_between(AXES[to].z_axis);
         let across = start.cross(AXES[to].z_axis).normalize();
-        let step_m = 500.0;
+        let step_m = 50.0;
         let steps = (angle * MEAN_RADIUS_M / step_m) as usize;
         let mut before = global_weights(start);
         let mut zone_m = 0.0;
         for k in 1..=steps {
             let point = DQuat::from_axis_angle(across, k as f64 * step_m / MEAN_RADIUS_M) * start;
             let now = global_weights(point);
-            // A weight goes from 0 to 1 over 134 km or more, steepest at the ends of the zone: twice the mean slope.
+            // A weight goes from 0 to 1 over 9.6 km or more, steepest at the ends of the zone: twice the mean slope.
             for (a, b) in before.iter().zip(&now) {
-                assert!((a - b).abs() < 2.0 * step_m / 134_000.0, "step {k}: {a} to {b}");
+                assert!((a - b).abs() < 2.0 * step_m / 9_600.0, "step {k}: {a} to {b}");
             }
             zone_m += if now.iter().filter(|&&w| w > 0.0).count() > 1 { step_m } else { 0.0 };
             before = now;
         }
-        assert!((130_000.0..155_000.0).contains(&zone_m), "{from} to {to}: {zone_m}");
+        assert!((9_300.0..11_000.0).contains(&zone_m), "{from} to {to}: {zone_m}");
     }
 }
 

@@ -25,6 +25,8 @@ pub struct Textures<'a> {
 /// A bound below this is not followed up by a look: no neighbour within a step is cloud, so that it matters to nobody
 /// that it is a bound and not the value.
 const CLEAR: f32 = -0.25;
+/// A chart's weight from which on the others are not asked.
+const ALONE: f32 = 0.999_9;
 
 /// How far a point is inside a layer's cloud: shape value less theta, cloud where positive, whole from the genus's edge
 /// on. Where there is certainly none, an upper bound. `p`: east, north, height over the tangent plane; `height_m` over the
@@ -38,8 +40,8 @@ pub fn margin(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_
     }
     let share = (height_m - layer.base_m) / layer.thickness_m;
     let weights = chart_weights(&layer.chart, layer.charts, p + Vec3::new(0.0, 0.0, earth_m), radius);
-    // With one chart the column's bound tells most empty places before anything else is read.
-    let bounded = layer.charts == 1;
+    // Where one chart rules the column's bound tells most empty places before anything else is read.
+    let bounded = weights.iter().any(|weight| *weight > ALONE);
     let mut found = 0.0;
     for (chart, weight) in layer.chart.iter().zip(weights).filter(|(_, weight)| *weight > 0.0) {
         let moved = chart.displacement(z);

@@ -58,6 +58,7 @@ const STEP_GROWTH: vec2<f32> = vec2<f32>(0.004, 0.025);
 const RETREAT: f32 = 0.4;
 const HALVINGS: u32 = 10u;
 const CLEAR: f32 = -0.25;
+const ALONE: f32 = 0.9999;
 const RING_SHARE: f32 = 0.11;
 const RING_SLICES: f32 = 6.0;
 const PER_STERADIAN: f32 = 0.07957747;
@@ -98,13 +99,15 @@ fn shape_at(at: vec3<f32>) -> f32 {
 }
 
 fn stored_light(chart: u32, at: vec3<f32>) -> vec4<f32> {
-    if chart == 0u {
-        return textureSampleLevel(light0, tiled, at, 0.0);
+    if SEVERAL_CHARTS {
+        if chart == 1u {
+            return textureSampleLevel(light1, tiled, at, 0.0);
+        }
+        if chart == 2u {
+            return textureSampleLevel(light2, tiled, at, 0.0);
+        }
     }
-    if chart == 1u {
-        return textureSampleLevel(light1, tiled, at, 0.0);
-    }
-    return textureSampleLevel(light2, tiled, at, 0.0);
+    return textureSampleLevel(light0, tiled, at, 0.0);
 }
 
 fn bound_at(tile: vec2<f32>) -> f32 {
@@ -124,17 +127,41 @@ fn near_edge(margin: f32, t: f32) -> bool {
     return t < DETAIL_FAR_M && abs(margin) < 0.5 * layer.detail + 1.0 / layer.inverse_edge;
 }
 
-// The lead of a chart over the others at a direction from the Earth's centre: its weight, before the sum is made one.
-fn chart_lead(chart: u32, from_centre: vec3<f32>, best: f32) -> f32 {
-    return max(layer.chart[chart].zone + dot(from_centre, layer.chart[chart].w) - best, 0.0);
+// Weights of the charts at a direction from the Earth's centre. Written out, not looped: an index that is a constant is
+// read once for all pixels.
+fn chart_weights(from_centre: vec3<f32>) -> vec3<f32> {
+    let near = vec3<f32>(
+        dot(from_centre, layer.chart[0].w),
+        dot(from_centre, layer.chart[1].w),
+        select(-1.0, dot(from_centre, layer.chart[2].w), layer.charts > 2u),
+    );
+    let best = max(near.x, max(near.y, near.z));
+    let raw = max(layer.chart[0].zone + near - best, vec3<f32>(0.0));
+    return raw / (raw.x + raw.y + raw.z);
 }
 
-fn best_chart(from_centre: vec3<f32>) -> f32 {
-    var best = -1.0;
-    for (var i = 0u; i < layer.charts; i++) {
-        best = max(best, dot(from_centre, layer.chart[i].w));
+fn tile_at(chart: u32, moved: vec2<f32>) -> vec2<f32> {
+    return (layer.chart[chart].tile_origin_m + moved) * (1.0 / TILE_M);
+}
+
+// What the 2D map adds to theta.
+fn raised_at(chart: u32, moved: vec2<f32>) -> f32 {
+    return layer.patchiness * textureSampleLevel(map, repeated, layer.chart[chart].map_origin + map_coordinates(moved), 0.0).r;
+}
+
+// The margin by one chart, `alone` where no other has weight: then an upper bound where there is certainly no cloud.
+fn margin_by(chart: u32, z: vec2<f32>, share: f32, shift: f32, alone: bool) -> f32 {
+    let moved = displacement(layer.chart[chart].a, layer.chart[chart].c, z);
+    let tile = tile_at(chart, moved);
+    var margin = bound_at(tile) + 0.5 * layer.detail - layer.theta - shift;
+    if margin >= CLEAR || !alone {
+        let raised = raised_at(chart, moved);
+        margin -= raised;
+        if margin >= CLEAR || !alone {
+            margin = shape_at(vec3<f32>(tile, share)) - (layer.theta + raised + shift);
+        }
     }
-    return best;
+    return margin;
 }
 
 // The margin of the shape value over theta: cloud where positive. Where there is certainly none, an upper bound.
@@ -153,34 +180,19 @@ fn look(direction: vec3<f32>, t: f32) -> f32 {
     let share = (height - layer.base_m) / layer.thickness_m;
     var found = 0.0;
     if SEVERAL_CHARTS {
-        let from_centre = (p + vec3<f32>(0.0, 0.0, camera.earth_m)) / radius;
-        let best = best_chart(from_centre);
-        var sum = 0.0;
-        for (var i = 0u; i < layer.charts; i++) {
-            let weight = chart_lead(i, from_centre, best);
-            if weight > 0.0 {
-                let moved = displacement(layer.chart[i].a, layer.chart[i].c, z);
-                let tile = (layer.chart[i].tile_origin_m + moved) * (1.0 / TILE_M);
-                let place = layer.chart[i].map_origin + map_coordinates(moved);
-                let theta = layer.theta + layer.patchiness * textureSampleLevel(map, repeated, place, 0.0).r + shift;
-                found += weight * (shape_at(vec3<f32>(tile, share)) - theta);
-                sum += weight;
-            }
+        let weights = chart_weights((p + vec3<f32>(0.0, 0.0, camera.earth_m)) / radius);
+        let alone = max(weights.x, max(weights.y, weights.z)) > ALONE;
+        if weights.x > 0.0 {
+            found += weights.x * margin_by(0u, z, share, shift, alone);
         }
-        found /= sum;
+        if weights.y > 0.0 {
+            found += weights.y * margin_by(1u, z, share, shift, alone);
+        }
+        if weights.z > 0.0 {
+            found += weights.z * margin_by(2u, z, share, shift, alone);
+        }
     } else {
-        let moved = displacement(layer.chart[0].a, layer.chart[0].c, z);
-        let tile = (layer.chart[0].tile_origin_m + moved) * (1.0 / TILE_M);
-        let most = bound_at(tile) + 0.5 * layer.detail - layer.theta - shift;
-        if most < CLEAR {
-            return most;
-        }
-        let place = layer.chart[0].map_origin + map_coordinates(moved);
-        let raised = layer.patchiness * textureSampleLevel(map, repeated, place, 0.0).r;
-        if most - raised < CLEAR {
-            return most - raised;
-        }
-        found = shape_at(vec3<f32>(tile, share)) - (layer.theta + raised + shift);
+        found = margin_by(0u, z, share, shift, true);
     }
     if near_edge(found, t) {
         found += fine(z, height, t);
@@ -193,24 +205,26 @@ fn light_at(p: vec3<f32>, height: f32) -> vec4<f32> {
     let radius = camera.earth_m + height;
     let z = stereographic(p, radius);
     let share = (height - layer.base_m) / layer.thickness_m;
-    if !SEVERAL_CHARTS {
-        let moved = displacement(layer.chart[0].a, layer.chart[0].c, z);
-        return stored_light(0u, vec3<f32>((layer.chart[0].tile_origin_m + moved) * (1.0 / TILE_M), share));
-    }
-    let from_centre = (p + vec3<f32>(0.0, 0.0, camera.earth_m)) / radius;
-    let best = best_chart(from_centre);
     var found = vec4<f32>(0.0);
-    var sum = 0.0;
-    for (var i = 0u; i < layer.charts; i++) {
-        let weight = chart_lead(i, from_centre, best);
-        if weight > 0.0 {
-            let moved = displacement(layer.chart[i].a, layer.chart[i].c, z);
-            let tile = (layer.chart[i].tile_origin_m + moved) * (1.0 / TILE_M);
-            found += weight * stored_light(i, vec3<f32>(tile, share));
-            sum += weight;
+    if SEVERAL_CHARTS {
+        let weights = chart_weights((p + vec3<f32>(0.0, 0.0, camera.earth_m)) / radius);
+        if weights.x > 0.0 {
+            found += weights.x * light_by(0u, z, share);
         }
+        if weights.y > 0.0 {
+            found += weights.y * light_by(1u, z, share);
+        }
+        if weights.z > 0.0 {
+            found += weights.z * light_by(2u, z, share);
+        }
+    } else {
+        found = light_by(0u, z, share);
     }
-    return found / sum;
+    return found;
+}
+
+fn light_by(chart: u32, z: vec2<f32>, share: f32) -> vec4<f32> {
+    return stored_light(chart, vec3<f32>(tile_at(chart, displacement(layer.chart[chart].a, layer.chart[chart].c, z)), share));
 }
 
 fn phase(cosine: f32) -> f32 {

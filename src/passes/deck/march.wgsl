@@ -102,11 +102,24 @@ fn next_piece(leg: Leg, at: f32, last: Piece) -> Piece {
     return piece;
 }
 
+// The row of workgroups that is drawn as the n-th: every eighth, then those half-way between, and so on, so that any
+// unbroken share of them is spread over the whole picture. Software adapters give each core such a share, and sky and
+// cloud do not cost the same.
+fn row(n: u32, rows: u32) -> u32 {
+    let in_turn = rows / 8u;
+    return n % in_turn * 8u + (reverseBits(n / in_turn) >> 29u);
+}
+
 @compute @workgroup_size(8, 8)
-fn deck_march(@builtin(global_invocation_id) id: vec3<u32>) {
-    let there = vec2<f32>(id.xy) + 0.5;
+fn deck_march(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) workgroups: vec3<u32>,
+    @builtin(local_invocation_id) inside: vec3<u32>,
+) {
+    let id = vec2<u32>(workgroup.x, row(workgroup.y, workgroups.y)) * 8u + inside.xy;
+    let there = vec2<f32>(id) + 0.5;
     let direction = ray_of(there);
-    let nearer = textureLoad(before, id.xy, 0);
+    let nearer = textureLoad(before, id, 0);
     let leg = leg_of(direction.z);
     var transmittance = 1.0 - nearer.a;
     // No return stands before the loop: lavapipe lets a loop run to its end for pixels that have returned.
@@ -159,6 +172,6 @@ fn deck_march(@builtin(global_invocation_id) id: vec3<u32>) {
     let own = exposed(direction, light, hidden, 1.0 - nearer.a - transmittance);
     if there.x < camera.width_px && there.y < camera.height_px {
         let light = min(nearer.rgb + own.rgb, vec3<f32>(BRIGHTEST));
-        textureStore(after, id.xy, vec4<f32>(light, nearer.a + own.a));
+        textureStore(after, id, vec4<f32>(light, nearer.a + own.a));
     }
 }

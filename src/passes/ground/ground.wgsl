@@ -98,11 +98,13 @@ fn ground_luminance(direction: vec3<f32>, t: f32, passed: f32) -> vec3<f32> {
     let albedo = land + (vec3<f32>(0.012, 0.030, 0.045) - land) * sea;
     let direct = max(dot(normal, ground.light_direction), 0.0) * passed;
     var lit = ground.light_lux * direct + ground.sky_lux;
-    for (var i = 0u; FLASHES && i < ground.flashes; i++) {
-        let towards = ground.flash[i].position_m - p;
-        let d2 = max(dot(towards, towards), FLASH_CAP_M * FLASH_CAP_M);
-        let cosine = max(dot(normal, towards) / sqrt(d2), 0.0);
-        lit += FLASH_COLOUR * (12.56637 * ground.flash[i].intensity * cosine / d2);
+    if FLASHES {
+        for (var i = 0u; i < ground.flashes; i++) {
+            let towards = ground.flash[i].position_m - p;
+            let d2 = max(dot(towards, towards), FLASH_CAP_M * FLASH_CAP_M);
+            let cosine = max(dot(normal, towards) / sqrt(d2), 0.0);
+            lit += FLASH_COLOUR * (12.56637 * ground.flash[i].intensity * cosine / d2);
+        }
     }
     var seen = lit * albedo * 0.31830987;
     let facing = clamp(-dot(direction, normal), 0.0, 1.0);

@@ -21,11 +21,13 @@ const DISC_RAD: f32 = 0.0093;
 @group(2) @binding(4) var levels: sampler;
 
 fn four_thetas(chart: u32, tile: vec2<f32>, part: u32, level: f32) -> vec4<f32> {
-    if SEVERAL_CHARTS && chart == 1u {
-        return textureSampleLevel(columns1, levels, tile, part, level);
-    }
-    if SEVERAL_CHARTS && chart == 2u {
-        return textureSampleLevel(columns2, levels, tile, part, level);
+    if SEVERAL_CHARTS {
+        if chart == 1u {
+            return textureSampleLevel(columns1, levels, tile, part, level);
+        }
+        if chart == 2u {
+            return textureSampleLevel(columns2, levels, tile, part, level);
+        }
     }
     return textureSampleLevel(columns0, levels, tile, part, level);
 }
@@ -64,21 +66,22 @@ fn through(direction: vec3<f32>, t: f32) -> f32 {
     }
     let blur = length(vec2<f32>(distance * DISC_RAD, footprint));
     let level = min(log2(max(blur * (1.0 / TEXEL_M), 1.0)), COARSEST);
-    if !SEVERAL_CHARTS {
-        return column(0u, z, shift, level);
-    }
-    let up = (q + vec3<f32>(0.0, 0.0, camera.earth_m)) / radius;
-    let best = best_chart(up);
     var found = 0.0;
-    var sum = 0.0;
-    for (var i = 0u; i < layer.charts; i++) {
-        let weight = chart_lead(i, up, best);
-        if weight > 0.0 {
-            found += weight * column(i, z, shift, level);
-            sum += weight;
+    if SEVERAL_CHARTS {
+        let weights = chart_weights((q + vec3<f32>(0.0, 0.0, camera.earth_m)) / radius);
+        if weights.x > 0.0 {
+            found += weights.x * column(0u, z, shift, level);
         }
+        if weights.y > 0.0 {
+            found += weights.y * column(1u, z, shift, level);
+        }
+        if weights.z > 0.0 {
+            found += weights.z * column(2u, z, shift, level);
+        }
+    } else {
+        found = column(0u, z, shift, level);
     }
-    return found / sum;
+    return found;
 }
 
 @vertex
