@@ -7,7 +7,7 @@ use super::pipelines::{GroundVariant, Pipelines};
 use super::resident::Resident;
 use super::ring::Content;
 use super::targets::Target;
-use super::{instanced, march, shadow};
+use super::{instanced, march, shadow, strokes};
 use crate::passes::common::Camera;
 use crate::plan::{FramePlan, Output};
 use crate::world::snapshot::DeckForm;
@@ -43,6 +43,21 @@ pub fn submit(executor: &mut GpuExecutor, ticket: u64, plan: &FramePlan) {
     let recorder = Recorder { gpu, target, nothing: &nothing };
     let frame = frame_group(gpu, pipelines, resident, plan, &plan.camera, deck);
     recorder.behind(&mut encoder, pipelines, &frame, plan);
+    if let (Some(planned), Some(images)) = (&plan.strokes, &target.strokes) {
+        let camera = plan.camera.coarser(planned.air_scale);
+        let coarse = frame_group(gpu, pipelines, resident, plan, &camera, &nothing);
+        let scene = strokes::Scene {
+            strokes: planned,
+            exposure: plan.camera.exposure,
+            frame: &frame,
+            coarse: &coarse,
+            decks: &decks,
+            images,
+            light: &target.light_view,
+            nothing: &nothing,
+        };
+        strokes::record(gpu, pipelines, &mut encoder, &scene);
+    }
     let (texture, content) = match plan.output {
         Output::Srgb8 => {
             recorder.tonemap(&mut encoder, pipelines);

@@ -12,6 +12,9 @@ pub struct Layouts {
     pub image: wgpu::BindGroupLayout,
     pub light: wgpu::BindGroupLayout,
     pub march: wgpu::BindGroupLayout,
+    pub nodes: wgpu::BindGroupLayout,
+    pub strokes: wgpu::BindGroupLayout,
+    pub glow: wgpu::BindGroupLayout,
 }
 
 impl Layouts {
@@ -80,6 +83,9 @@ impl Layouts {
                     written(super::light::FORMAT, D3),
                 ],
             ),
+            nodes: layout("nodes", wgpu::ShaderStages::COMPUTE, &[storage]),
+            strokes: layout("strokes", drawing, &[parameters, parameters, parameters]),
+            glow: layout("glow", drawing, &[parameters, texture(D2, false), texture(D2, false), texture(D2, false)]),
             march: layout(
                 "march",
                 wgpu::ShaderStages::COMPUTE,

@@ -1,7 +1,8 @@
 //! The GPU executor: the only importer of wgpu.
 //!
 //! One frame is: the light volumes that are not resident, then the deck in batches from near to far with an occlusion
-//! pass between them, then the shadows on the ground, ground and sky behind it, then tone mapping and a copy into a slot of the read-back ring.
+//! pass between them, then the shadows on the ground, ground and sky behind it, the channels of lightning with their glow,
+//! then tone mapping and a copy into a slot of the read-back ring.
 //! Everything is blended "under": a target's alpha is what is already hidden.
 
 mod deck;
@@ -15,6 +16,7 @@ mod pipelines;
 mod resident;
 mod ring;
 mod shadow;
+mod strokes;
 mod targets;
 mod textures;
 

@@ -2,7 +2,7 @@
 
 use super::device::Gpu;
 use super::layouts::{Layouts, pipeline_layout};
-use super::targets::{DEPTH_FORMAT, PICTURE_FORMAT};
+use super::targets::{DEPTH_FORMAT, PICTURE_FORMAT, STROKES_FORMAT};
 use crate::passes::deck::Instance;
 use crate::passes::ground::Ground;
 use crate::plan::FramePlan;
@@ -20,6 +20,10 @@ pub fn shaders() -> Vec<(&'static str, String)> {
         with_common("deck", &format!("{FIELD}\n{}", include_str!("../passes/deck/deck.wgsl"))),
         with_common("march", &format!("{FIELD}\n{}", include_str!("../passes/deck/march.wgsl"))),
         with_common("shadow", &format!("{FIELD}\n{}", include_str!("../passes/shadow/shadow.wgsl"))),
+        with_common("veil", &format!("{FIELD}\n{}", include_str!("../passes/veil/veil.wgsl"))),
+        with_common("stroke", include_str!("../passes/stroke/stroke.wgsl")),
+        with_common("airlight", include_str!("../passes/airlight/airlight.wgsl")),
+        ("glow", include_str!("../passes/glow/glow.wgsl").to_string()),
         with_common("cull", include_str!("../passes/cull/cull.wgsl")),
         ("light", include_str!("../passes/light/light.wgsl").to_string()),
         ("tonemap", include_str!("../passes/tonemap/tonemap.wgsl").to_string()),
@@ -103,6 +107,17 @@ pub struct Pipelines {
     march_module: wgpu::ShaderModule,
     march_pipeline_layout: wgpu::PipelineLayout,
     march: HashMap<(DeckVariant, bool), wgpu::ComputePipeline>,
+    pub nodes_layout: wgpu::BindGroupLayout,
+    pub strokes_layout: wgpu::BindGroupLayout,
+    pub glow_layout: wgpu::BindGroupLayout,
+    pub stroke: wgpu::RenderPipeline,
+    pub airlight: wgpu::RenderPipeline,
+    pub glow_down: wgpu::RenderPipeline,
+    pub glow_up: wgpu::RenderPipeline,
+    pub glow_last: wgpu::RenderPipeline,
+    veil_module: wgpu::ShaderModule,
+    veil_pipeline_layout: wgpu::PipelineLayout,
+    veil: HashMap<DeckVariant, wgpu::ComputePipeline>,
 }
 
 impl Pipelines {
@@ -129,7 +144,23 @@ impl Pipelines {
         let light_module = module("light");
         let light = |entry: &str| compute(gpu, entry, &light_module, &light_layout, Default::default());
         let opaque = wgpu::ColorTargetState { format: PICTURE_FORMAT, blend: None, write_mask: wgpu::ColorWrites::ALL };
+        let single = wgpu::ColorTargetState { format: STROKES_FORMAT, blend: None, write_mask: wgpu::ColorWrites::ALL };
+        let strokes_layout = pipeline_layout(gpu, &[Some(&layouts.frame), Some(&layouts.strokes)]);
+        let glow_layout = pipeline_layout(gpu, &[Some(&layouts.glow)]);
+        let glow_module = module("glow");
+        let glow = |name: &str, target| render(gpu, name, &glow_module, &glow_layout, Some(target), None, &[]);
         Self {
+            stroke: render(gpu, "stroke", &module("stroke"), &strokes_layout, Some(added(STROKES_FORMAT)), None, &[]),
+            airlight: render(gpu, "airlight", &module("airlight"), &strokes_layout, Some(single.clone()), None, &[]),
+            glow_down: glow("glow_down", single.clone()),
+            glow_up: glow("glow_up", single),
+            glow_last: glow("glow_last", added(gpu.light_format)),
+            veil_module: module("veil"),
+            veil_pipeline_layout: pipeline_layout(
+                gpu,
+                &[Some(&layouts.frame), Some(&layouts.deck), Some(&layouts.nodes)],
+            ),
+            veil: HashMap::new(),
             sky: render(gpu, "sky", &module("sky"), &sky_layout, Some(added(gpu.light_format)), None, &[]),
             ground_module: module("ground"),
             ground_pipeline_layout: pipeline_layout(gpu, &[Some(&layouts.frame), Some(&layouts.ground)]),
@@ -164,7 +195,21 @@ impl Pipelines {
             image_layout: layouts.image,
             light_layout: layouts.light,
             march_layout: layouts.march,
+            nodes_layout: layouts.nodes,
+            strokes_layout: layouts.strokes,
+            glow_layout: layouts.glow,
         }
+    }
+
+    /// The veil's pipeline for what a layer needs.
+    pub fn veil(&mut self, gpu: &Gpu, variant: DeckVariant) -> &wgpu::ComputePipeline {
+        // Its light does not matter to what a cloud hides.
+        let variant = DeckVariant { flashes: false, ..variant };
+        self.veil.entry(variant).or_insert_with(|| {
+            let constants = variant.constants();
+            let options = wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
+            compute(gpu, "veil", &self.veil_module, &self.veil_pipeline_layout, options)
+        })
     }
 
     /// The ground's pipeline for what a scene needs.

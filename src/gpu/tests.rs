@@ -21,6 +21,8 @@ use crate::world::command::{
 use crate::world::snapshot::{DeckForm, Quality};
 use std::collections::HashMap;
 
+mod strokes;
+
 /// A scene, in the words of its commands.
 #[derive(Clone, Copy)]
 struct Scene {

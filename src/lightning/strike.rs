@@ -7,14 +7,16 @@
 //! a few lights that stand for the whole.
 
 mod detail;
+mod lit;
 mod scene;
 mod sources;
 
+pub use lit::Lit;
 pub use sources::Source;
 
 use super::channel::Channel;
 use super::error::GrowError;
-use super::flash::{FlashKind, Polarity};
+use super::flash::{FlashKind, Light, Polarity};
 use super::grow::{Method, grow};
 use super::shape::{Line, lines};
 use super::tables::Tables;
@@ -24,8 +26,8 @@ use std::sync::atomic::AtomicBool;
 pub const MOST_GROUNDS: usize = 8;
 /// Most cells of a channel: several times what one ever took, a bound on time.
 const MOST_CELLS: u32 = 6_000;
-/// Luminous radius of the main channel of a stroke of 30 kA, m: a few centimetres at the peak (Rakov and Uman 2003, Lightning,
-/// 4.6), which is always thinner than a pixel but for an eye within tens of metres.
+/// Luminous radius of the main channel, m: some centimetres (Rakov and Uman 2003, Lightning, 4.6), which is thinner than a
+/// pixel but for an eye within tens of metres, so that the current, which would change it, is not asked for.
 const RADIUS_M: f64 = 0.1;
 
 /// What decides a channel. Equal specifications give equal channels on every machine.
@@ -41,8 +43,6 @@ pub struct StrikeSpec {
     pub origin_m: f64,
     /// Heights over the ground of base and top of the cloud around it; equal where there is none.
     pub cloud_m: [f64; 2],
-    /// Peak current of the first stroke in kiloamperes.
-    pub peak_current_ka: f64,
     /// Ground points east and north of the strike's own; none is taken as one at `[0, 0]`. Only for strokes to ground; those
     /// beyond [`MOST_GROUNDS`] are left out, and those farther than the grid reaches are drawn nearer.
     pub grounds_m: Vec<[f64; 2]>,
@@ -59,7 +59,8 @@ pub struct ChannelPoint {
     pub light_m: f32,
     /// How far a line that leaves this point out would pass from it, m: infinite for points that no picture leaves out.
     pub detail_m: f32,
-    /// Ground points (bit by bit) whose main channel the piece that ends here belongs to; 0: a side channel.
+    /// Ground points (bit by bit) whose main channel the piece that ends here belongs to; of a side channel, those whose main
+    /// channel it leaves.
     pub grounds: u8,
 }
 
@@ -85,12 +86,12 @@ pub struct StrikeChannel {
     pub lines: Vec<ChannelLine>,
     /// Number of ground points that it has main channels to; 1 inside clouds, too.
     pub grounds: usize,
-    /// Metres of each ground point's main channel.
+    /// Light of each ground point's main channel, in metres of main channel: its crooked length.
     pub main_m: Vec<f64>,
-    /// Light of all side channels together, in metres of main channel.
-    pub side_m: f64,
-    /// Length along the channel to its farthest point, m.
-    pub longest_m: f64,
+    /// Light of the side channels that leave it, in metres of main channel.
+    pub side_m: Vec<f64>,
+    /// Length along each ground point's channel to its end, m, as [`ChannelPoint::along_m`] counts it.
+    pub reach_m: Vec<f64>,
 }
 
 /// A stretch of a line between two points that a picture keeps.
@@ -104,27 +105,10 @@ pub struct Stretch {
     pub light_m: f32,
     /// As [`ChannelPoint::grounds`].
     pub grounds: u8,
+    /// Whether it is a side channel's.
+    pub side: bool,
     /// Luminous radius, m.
     pub radius_m: f32,
-}
-
-/// Light of the parts of a channel, per metre of main channel; side channels are measured in such metres too.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PartLight {
-    /// Of the main channel to each ground point. Where main channels are one, their lights add.
-    pub main: [f64; MOST_GROUNDS],
-    /// Of side channels.
-    pub side: f64,
-}
-
-impl PartLight {
-    /// Light of a metre of what belongs to these ground points.
-    pub fn of(&self, grounds: u8) -> f64 {
-        if grounds == 0 {
-            return self.side;
-        }
-        (0..MOST_GROUNDS).filter(|ground| grounds >> ground & 1 == 1).map(|ground| self.main[ground]).sum()
-    }
 }
 
 /// Grows the channel of a strike. `tables` keeps what depends on the grid alone from call to call.
@@ -140,19 +124,18 @@ pub fn grow_strike(spec: &StrikeSpec, tables: &mut Tables, cancel: &AtomicBool) 
     };
     let (channel, _) = grow(&Method::rational(eta, rho), &plan.scene, MOST_CELLS, spec.seed, tables, cancel)?;
     let drawn = lines(&channel, plan.scene.grid.axes(), &plan.shape, spec.seed);
-    Ok(assemble(&channel, &drawn, &plan, spec))
+    Ok(assemble(&channel, &drawn, &plan))
 }
 
-fn assemble(channel: &Channel, drawn: &[Line], plan: &scene::Plan, spec: &StrikeSpec) -> StrikeChannel {
+fn assemble(channel: &Channel, drawn: &[Line], plan: &scene::Plan) -> StrikeChannel {
     let masks = masks(channel, drawn, plan);
-    let radius_m = RADIUS_M * (spec.peak_current_ka.max(0.0) / 30.0).sqrt();
     let mut found = StrikeChannel {
         points: Vec::with_capacity(drawn.iter().map(|line| line.points.len()).sum()),
         lines: Vec::with_capacity(drawn.len()),
         grounds: plan.ends.len().max(1),
         main_m: vec![0.0; plan.ends.len().max(1)],
-        side_m: 0.0,
-        longest_m: 0.0,
+        side_m: vec![0.0; plan.ends.len().max(1)],
+        reach_m: vec![0.0; plan.ends.len().max(1)],
     };
     for (line, masks) in drawn.iter().zip(&masks) {
         if line.points.len() < 2 {
@@ -169,9 +152,8 @@ fn assemble(channel: &Channel, drawn: &[Line], plan: &scene::Plan, spec: &Strike
                 let length_m = distance(positions[k - 1], positions[k]);
                 let light = 0.5 * (before.brightness * before.thickness + point.brightness * point.thickness);
                 light_m += light * length_m;
-                found.count(masks[k], light * length_m);
+                found.count(masks[k], line.order > 0, light * length_m, point.along_m);
             }
-            found.longest_m = found.longest_m.max(point.along_m);
             found.points.push(ChannelPoint {
                 position_m: positions[k].map(|x| x as f32),
                 along_m: point.along_m as f32,
@@ -182,7 +164,7 @@ fn assemble(channel: &Channel, drawn: &[Line], plan: &scene::Plan, spec: &Strike
         }
         let thickness = line.points[line.points.len() / 2].thickness;
         let (count, order) = (line.points.len() as u32, line.order);
-        found.lines.push(ChannelLine { first, count, order, radius_m: (radius_m * thickness) as f32 });
+        found.lines.push(ChannelLine { first, count, order, radius_m: (RADIUS_M * thickness) as f32 });
     }
     found
 }
@@ -214,46 +196,32 @@ fn masks(channel: &Channel, drawn: &[Line], plan: &scene::Plan) -> Vec<Vec<u8>> 
             mark(line, drawn.points.len() - 1, 1);
         }
     }
-    // Main lines to what is no ground point of its own (the far ends of a flash inside clouds) are lit with the first.
-    for (line, drawn) in drawn.iter().enumerate().filter(|(_, line)| line.order == 0) {
-        let lit: u8 = masks[line].iter().copied().fold(0, |a, b| a | b);
-        if lit == 0 {
-            masks[line] = vec![1; drawn.points.len()];
+    // Side channels shine with the main channel that they leave; so do main lines to what is no ground point of its own.
+    for line in 0..drawn.len() {
+        let marked = masks[line].iter().any(|mask| *mask != 0);
+        let parent = drawn[line].parent.map(|(parent, point)| masks[parent as usize][point as usize]);
+        if !marked {
+            let own = parent.filter(|mask| *mask != 0).unwrap_or(1);
+            masks[line] = vec![own; drawn[line].points.len()];
         }
     }
     masks
 }
 
 impl StrikeChannel {
-    fn count(&mut self, grounds: u8, light_m: f64) {
-        if grounds == 0 {
-            self.side_m += light_m;
-        }
-        for (ground, main_m) in self.main_m.iter_mut().enumerate() {
-            if grounds >> ground & 1 == 1 {
-                *main_m += light_m;
+    fn count(&mut self, grounds: u8, side: bool, light_m: f64, along_m: f64) {
+        for ground in (0..self.grounds).filter(|ground| grounds >> ground & 1 == 1) {
+            let lights = if side { &mut self.side_m } else { &mut self.main_m };
+            lights[ground] += light_m;
+            if !side {
+                self.reach_m[ground] = self.reach_m[ground].max(along_m);
             }
         }
     }
 
-    /// Light of the parts when a first stroke to a ground point, which lights all side channels too, gives `first` and later
-    /// strokes along each main channel give `later` in the whole: each stroke's light is even along what it lights.
-    ///
-    /// A ground point that the channel does not have is taken as the last one that it has.
-    pub fn part_light(&self, first: &[f64], later: &[f64]) -> PartLight {
-        let mut parts = PartLight::default();
-        let known = |ground: usize| ground.min(self.grounds - 1);
-        for (ground, light) in first.iter().enumerate() {
-            let ground = known(ground);
-            let per_metre = light / (self.main_m[ground] + self.side_m).max(1e-3);
-            parts.main[ground] += per_metre;
-            parts.side += per_metre;
-        }
-        for (ground, light) in later.iter().enumerate() {
-            let ground = known(ground);
-            parts.main[ground] += light / self.main_m[ground].max(1e-3);
-        }
-        parts
+    /// The light of its parts while these lights shine, each of them even along what it lights.
+    pub fn lit(&self, lights: &[Light]) -> Lit {
+        Lit::new(self, lights)
     }
 
     /// The stretches of a picture that shows nothing finer than `finest_m`, line by line.
@@ -267,7 +235,8 @@ impl StrikeChannel {
                     continue;
                 }
                 let light_m = point.light_m - self.points[from as usize].light_m;
-                stretch(Stretch { from, to, light_m, grounds: point.grounds, radius_m: line.radius_m });
+                let (grounds, side, radius_m) = (point.grounds, line.order > 0, line.radius_m);
+                stretch(Stretch { from, to, light_m, grounds, side, radius_m });
                 from = to;
             }
         }
@@ -278,10 +247,10 @@ impl StrikeChannel {
         self.points.iter().filter(|point| point.detail_m >= finest_m).count() - self.lines.len()
     }
 
-    /// At most `count` lights that stand for the channel, heaviest parts divided first; their weights add up to all light of
-    /// `parts`. None where `parts` gives none.
-    pub fn sources(&self, count: usize, parts: &PartLight) -> Vec<Source> {
-        sources::sources(self, count, parts)
+    /// At most `count` lights that stand for the channel, widest parts divided first; their weights add up to all light of
+    /// `lit`. None where it gives none.
+    pub fn sources(&self, count: usize, lit: &Lit) -> Vec<Source> {
+        sources::sources(self, count, lit)
     }
 }
 

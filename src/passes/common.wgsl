@@ -38,6 +38,12 @@ struct Flash {
     intensity: f32,
 }
 
+// A place in the sky, and how much of its light comes through the clouds to the eye: of the passes for lightning.
+struct Node {
+    position_m: vec3<f32>,
+    passed: f32,
+}
+
 const HAZE_SCALE_M: f32 = 1200.0;
 const AIR_SCALE_M: f32 = 8000.0;
 const FAR: f32 = 1e30;

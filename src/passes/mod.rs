@@ -4,12 +4,16 @@
 //! Axes of every pass: east, north, up at the eye's ground point; metres, f32, relative to that point. The Earth is a
 //! sphere of the local mean radius of curvature. Luminance is in cd/m2 until `exposure` scales it.
 
+pub mod airlight;
 pub mod common;
 pub mod cull;
 pub mod deck;
+pub mod glow;
 pub mod ground;
 pub mod light;
 pub mod sampling;
 pub mod shadow;
 pub mod sky;
+pub mod stroke;
 pub mod tonemap;
+pub mod veil;

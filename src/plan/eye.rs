@@ -62,7 +62,12 @@ impl Eye {
 
     /// A place as east, north and height over the tangent plane at the eye's ground point.
     pub fn place(&self, place: &Geodetic) -> Vec3 {
-        (self.enu.transpose() * (to_ecef(place) - self.ground_ecef_m)).as_vec3()
+        self.offset(place).as_vec3()
+    }
+
+    /// A place as [`Eye::place`] gives it, in f64.
+    pub fn offset(&self, place: &Geodetic) -> DVec3 {
+        self.enu.transpose() * (to_ecef(place) - self.ground_ecef_m)
     }
 
     /// The charts in sight of a pattern that has drifted, with a volume tile and a map of given periods.

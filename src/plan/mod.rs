@@ -9,6 +9,7 @@ mod illuminance;
 mod layers;
 mod regions;
 mod shadow;
+mod stroke;
 
 use crate::clouds::CloudKind;
 use crate::passes::common::Camera;
@@ -21,6 +22,7 @@ use crate::passes::sky::table::TableParams;
 use crate::world::snapshot::{DeckForm, Snapshot, ViewState};
 
 pub use shadow::{LayerShadow, ShadowPlan};
+pub use stroke::StrokePlan;
 
 /// What one frame of one view needs: the passes' parameters, and why each pass is there or not.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,6 +47,8 @@ pub struct FramePlan {
     pub deck_form: DeckForm,
     /// Cloud layers in sight, lowest base first.
     pub layers: Vec<LayerPlan>,
+    /// Channels of lightning, their glow and their light in the air, while a flash gives light.
+    pub strokes: Option<StrokePlan>,
     /// One line a pass: kept or left out, and why.
     pub notes: Vec<PassNote>,
 }
@@ -108,13 +112,19 @@ pub fn plan(snapshot: &Snapshot, view: &ViewState, output: Output) -> FramePlan 
     let flashes = layers::flashes(snapshot, &eye, &mut notes);
     let layers = layers::in_sight(snapshot, &eye, &light, &regions, &flashes, &mut notes);
     let deck_scale = deck_scale(snapshot.quality.deck_scale, eye.height_m as f32, &layers, &mut notes);
-    let camera = light.camera(&eye, view);
+    let mut camera = light.camera(&eye, view);
     let shadow = shadow::cast(&camera, &light.between_clouds(), &layers, deck_scale, &mut notes);
-    let ground = light.ground(&eye, shadow.as_ref(), &flashes, &mut notes);
+    let below = stroke::on_ground(snapshot, &eye, &flashes);
+    let ground = light.ground(&eye, shadow.as_ref(), &below, &mut notes);
     notes.push(PassNote { pass: "sky", kept: true, why: "the sky is behind everything".into() });
     let tonemap = output == Output::Srgb8;
     let why = if tonemap { "the picture is for a screen" } else { "linear luminance was asked for" };
     notes.push(PassNote { pass: "tonemap", kept: tonemap, why: why.into() });
+    let mut strokes = stroke::strokes(snapshot, &eye, &camera, &mut notes);
+    if let (Output::LinearRgb, Some(strokes)) = (output, &mut strokes) {
+        camera.exposure = stroke::linear_exposure(camera.exposure, strokes);
+        strokes.airlight.scale = camera.exposure;
+    }
     let deck_form = deck_form(snapshot.quality.deck_form, &layers, &mut notes);
     FramePlan {
         size_px: view.size_px,
@@ -127,6 +137,7 @@ pub fn plan(snapshot: &Snapshot, view: &ViewState, output: Output) -> FramePlan 
         deck_scale,
         deck_form,
         layers,
+        strokes,
         notes,
     }
 }

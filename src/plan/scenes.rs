@@ -90,6 +90,7 @@ pub fn flash(position: Geodetic) -> FlashState {
         seed: 1,
         ground_points_m: vec![[0.0; 2]],
         lights: vec![Light { channel: 0, branches: true, span: [0.0, 1.0], amount: 4.0 * std::f64::consts::PI * 1e9 }],
+        channel: None,
     }
 }
 

@@ -1,12 +1,14 @@
 //! Images at their own resolution that a picture is put together from: the deck, and the shadows on the ground.
 
 use crate::passes::deck::twin::{OPAQUE, Prepared, walk};
-use crate::passes::ground;
+use crate::passes::glow::twin::Level;
 use crate::passes::shadow::twin::{Caster, through_all};
 use crate::passes::sky::table::Texel;
 use crate::passes::sky::twin as sky;
+use crate::passes::veil::Node;
+use crate::passes::{airlight, glow, ground, stroke, veil};
 use crate::plan::FramePlan;
-use glam::Vec4;
+use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 use std::ops::{Add, Mul};
 
@@ -64,6 +66,28 @@ pub fn deck(plan: &FramePlan, table: &[Texel], layers: &[Prepared]) -> Image<Vec
         let gathered = walk(&camera, layers, &legs, direction, end_m, endless);
         gathered.luminance.extend(1.0 - gathered.transmittance)
     })
+}
+
+/// The channels of lightning with their glow and their light in the air, cd/m2 of their colour.
+pub fn strokes(plan: &FramePlan, layers: &[Prepared]) -> Option<Image<f32>> {
+    let strokes = plan.strokes.as_ref()?;
+    let camera = &plan.camera;
+    let passed = |node: &Node| -> f32 {
+        layers.iter().map(|layer| veil::twin::passed(camera, layer, Vec3::from(node.position_m))).product()
+    };
+    let passed: Vec<f32> = strokes.nodes.par_iter().map(passed).collect();
+    let channels = stroke::twin::image(plan.size_px, &strokes.segments, &passed);
+    let size = plan.size_px.map(|n| n as usize);
+    let glowing = glow::twin::glowing(Level { size, values: channels }, &strokes.glow);
+    let coarse = camera.coarser(strokes.air_scale);
+    let air = Image::drawn([coarse.width_px, coarse.height_px], 0.0, |x, y| {
+        let direction = coarse.ray(x as f32 + 0.5, y as f32 + 0.5);
+        airlight::twin::luminance(&coarse, &strokes.sources, &passed, direction)
+    });
+    Some(Image::drawn([camera.width_px, camera.height_px], 0.0, |x, y| {
+        let at = [(x as f32 + 0.5) / camera.width_px, (y as f32 + 0.5) / camera.height_px];
+        glowing.values[x + y * size[0]] + air.at(at[0], at[1])
+    }))
 }
 
 /// Share of the light that reaches the ground through all layers.

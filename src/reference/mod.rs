@@ -16,7 +16,7 @@ use crate::passes::shadow::table::{self, Table};
 use crate::passes::shadow::twin::Caster;
 use crate::passes::sky::table::{TableParams, Texel, build};
 use crate::passes::sky::twin as sky;
-use crate::passes::{ground, light, tonemap};
+use crate::passes::{ground, light, stroke, tonemap};
 use crate::plan::executor::{Executor, Fault, Finished};
 use crate::plan::{FramePlan, LayerShadow, Output};
 use glam::{Vec3, Vec4};
@@ -136,13 +136,14 @@ pub fn picture(plan: &FramePlan, table: &[Texel], layers: &[Prepared], casters: 
     let [width, height] = plan.size_px.map(|n| n as usize);
     let deck = images::deck(plan, table, layers);
     let shadow = images::shadow(plan, casters, &deck);
-    let behind = Scene { plan, table, deck: &deck, shadow: &shadow };
+    let strokes = images::strokes(plan, layers);
+    let behind = Scene { plan, table, deck: &deck, shadow: &shadow, strokes: strokes.as_ref() };
     match plan.output {
         Output::Srgb8 => {
             let mut bytes = vec![0u8; width * height * 4];
             bytes.par_chunks_mut(width * 4).enumerate().for_each(|(y, row)| {
                 for (x, pixel) in row.chunks_exact_mut(4).enumerate() {
-                    let exposed = behind.luminance(x, y) * plan.camera.exposure;
+                    let exposed = behind.seen(x, y) * plan.camera.exposure;
                     pixel.copy_from_slice(&tonemap::twin::tonemap(exposed, x as u32, y as u32));
                 }
             });
@@ -152,7 +153,7 @@ pub fn picture(plan: &FramePlan, table: &[Texel], layers: &[Prepared], casters: 
             let mut values = vec![0f32; width * height * 3];
             values.par_chunks_mut(width * 3).enumerate().for_each(|(y, row)| {
                 for (x, pixel) in row.chunks_exact_mut(3).enumerate() {
-                    pixel.copy_from_slice(&behind.luminance(x, y).to_array());
+                    pixel.copy_from_slice(&behind.seen(x, y).to_array());
                 }
             });
             Pixels::LinearRgb(values)
@@ -166,12 +167,20 @@ struct Scene<'a> {
     table: &'a [Texel],
     deck: &'a Image<Vec4>,
     shadow: &'a Image<f32>,
+    strokes: Option<&'a Image<f32>>,
 }
 
 impl Scene<'_> {
-    /// Luminance of one pixel, cd/m2 per colour.
+    /// Luminance of one pixel with the strokes over it, cd/m2 per colour.
+    fn seen(&self, x: usize, y: usize) -> Vec3 {
+        let at = x + y * self.plan.size_px[0] as usize;
+        let strokes = self.strokes.map_or(Vec3::ZERO, |strokes| stroke::COLOUR * strokes.texels[at]);
+        self.luminance(x, y) + strokes
+    }
+
+    /// Luminance of one pixel without them, cd/m2 per colour.
     fn luminance(&self, x: usize, y: usize) -> Vec3 {
-        let Self { plan, table, deck, shadow } = *self;
+        let Self { plan, table, deck, shadow, .. } = *self;
         let at = [x as f32 + 0.5, y as f32 + 0.5];
         let [u, v] = [at[0] / plan.camera.width_px, at[1] / plan.camera.height_px];
         let gathered = deck.at(u, v);

@@ -96,3 +96,5 @@ fn every_hundredth_of_coverage_hides_no_less() {
         assert!(last > 0.9, "{kind:?} from {altitude_m} m: {last}");
     }
 }
+
+mod strokes;

@@ -12,6 +12,7 @@ mod client_task;
 mod dispatch;
 mod fan_out;
 mod flood;
+mod grower;
 mod hub;
 mod inbox;
 mod metrics;

@@ -324,7 +324,7 @@ impl RenderThread {
             width: size_px[0],
             height: size_px[1],
             pixels,
-            provisional: false,
+            provisional: snapshot.provisional(),
             repeated,
             stamps,
         });

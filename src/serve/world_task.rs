@@ -1,6 +1,7 @@
 //! The one task that owns the world: commands in order, time by the wall clock or by the host's steps, snapshots out.
 
 use super::fan_out::missed;
+use super::grower::Grower;
 use super::hub::Hub;
 use super::inbox::{Inbox, Posted};
 use super::metrics::Metrics;
@@ -61,6 +62,7 @@ pub(super) struct WorldTask {
     hub: Arc<Hub>,
     metrics: Arc<Metrics>,
     strikes: Arc<Strikes>,
+    grower: Grower,
     rate_hz: f64,
     shutter_s: Option<f64>,
     /// Who drives it, in lockstep.
@@ -96,6 +98,7 @@ impl WorldTask {
             hub,
             metrics,
             strikes,
+            grower: Grower::default(),
             rate_hz,
             shutter_s,
             lockstep,
@@ -157,6 +160,7 @@ impl WorldTask {
         match request {
             Request::Apply { command, received_us, reply } => {
                 let result = self.apply(command);
+                self.grow();
                 if result.is_ok() {
                     self.received_us = received_us;
                 }
@@ -229,8 +233,9 @@ impl WorldTask {
             self.intervals_s.pop_front();
         }
         let shutter_s = self.free_shutter_s();
-        let posted = self.take(shutter_s);
-        self.inbox.post(posted);
+        let snapshot = self.world.snapshot_at_once(shutter_s);
+        self.grow();
+        self.inbox.post(self.posted(snapshot));
     }
 
     fn step(&mut self, client: ClientId, to_s: f64, answer: StepAnswer) -> Result<(), Refused> {
@@ -262,14 +267,20 @@ impl WorldTask {
         // The next step is taken to be as long as this one: with equal steps no light is lost and none counted twice.
         let shutter_s = if to_s > now_s { to_s - now_s } else { 1.0 / self.rate_hz };
         let shutter_s = self.shutter_s.unwrap_or(shutter_s).clamp(limits::SHUTTER_S.min, limits::SHUTTER_S.max);
-        let posted = self.take(shutter_s);
-        self.inbox.push_step(posted, guard);
+        // Waits for the channels that its flashes show.
+        let snapshot = self.world.snapshot(shutter_s);
+        self.inbox.push_step(self.posted(snapshot), guard);
         Ok(())
     }
 
-    fn take(&mut self, shutter_s: f64) -> Posted {
-        let snapshot = Arc::new(self.world.snapshot(shutter_s));
+    fn posted(&self, snapshot: Snapshot) -> Posted {
+        let snapshot = Arc::new(snapshot);
         Posted { snapshot, received_us: self.received_us, snapshot_us: self.metrics.now_us() }
+    }
+
+    /// Has the channels of new flashes grown beside the world and the renderer.
+    fn grow(&self) {
+        self.grower.grow(self.world.take_growing());
     }
 
     /// Until the next snapshot, most likely: the longest of the newest intervals, so that no light falls between frames.

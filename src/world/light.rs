@@ -68,6 +68,7 @@ pub(super) fn states(
             intensity_cd: flux_lm / (4.0 * std::f64::consts::PI),
             ground_points_m: flash.flash.ground_points_m.clone(),
             lights,
+            channel: None,
         });
     }
     states

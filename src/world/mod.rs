@@ -14,6 +14,7 @@ mod check;
 mod clock;
 mod drift;
 mod ease;
+pub mod growing;
 mod layer;
 mod light;
 mod ownship;
@@ -28,10 +29,13 @@ pub use event::{Applied, Event, Refused};
 pub use snapshot::Snapshot;
 pub use timeline::{TimedCommand, Timeline};
 
+use crate::lightning::strike::StrikeChannel;
 use command::ScenarioEdit;
+use growing::Growing;
 use player::Player;
 use snapshot::{DeckForm, Quality};
 use state::State;
+use std::sync::Arc;
 
 /// The quality of a new world.
 pub const DEFAULT_QUALITY: Quality = Quality { slices: 32, ring_ratio: 4.0, deck_scale: 1, deck_form: DeckForm::Auto };
@@ -103,18 +107,43 @@ impl World {
 
     /// Takes a snapshot whose pictures gather the light of `[now, now + shutter_s)`; flashes asked for "now" begin with it.
     /// A shutter interval that is negative or no number is taken as 0: one instant.
+    ///
+    /// Channels of flashes that have not been grown are grown here, a few milliseconds each.
     pub fn snapshot(&mut self, shutter_s: f64) -> Snapshot {
-        self.snapshots += 1;
-        self.state.begin_strikes();
-        self.peek(shutter_s)
+        self.begin_snapshot();
+        self.look(shutter_s, Growing::grow)
+    }
+
+    /// The same without waiting for any channel: flashes whose channel is not there yet light clouds and ground alone, and the
+    /// snapshot is provisional ([`Snapshot::provisional`]).
+    pub fn snapshot_at_once(&mut self, shutter_s: f64) -> Snapshot {
+        self.begin_snapshot();
+        self.look(shutter_s, Growing::grown)
     }
 
     /// The same without counting it or beginning anything: for an answer to somebody who asks, not for a picture.
     pub fn peek(&self, shutter_s: f64) -> Snapshot {
+        self.look(shutter_s, Growing::grown)
+    }
+
+    /// Channels that are still to be grown, each given out once: whoever takes them may grow them on any thread.
+    pub fn take_growing(&self) -> Vec<Arc<Growing>> {
+        self.state.take_growing()
+    }
+
+    fn begin_snapshot(&mut self) {
+        self.snapshots += 1;
+        self.state.begin_strikes();
+    }
+
+    fn look(&self, shutter_s: f64, grown: fn(&Growing) -> Option<Arc<StrikeChannel>>) -> Snapshot {
         let shutter_s = if shutter_s > 0.0 { shutter_s.min(limits::SIMULATION_TIME_S[1]) } else { 0.0 };
         let mut snapshot = self.state.snapshot(self.snapshots, shutter_s, self.quality);
         snapshot.flashes.extend(self.player.flashes_ahead(&self.state, snapshot.shutter_s));
         snapshot.flashes.sort_by_key(|flash| flash.id);
+        for flash in snapshot.flashes.iter_mut().filter(|flash| !flash.lights.is_empty()) {
+            flash.channel = grown(&self.state.channel(flash));
+        }
         snapshot
     }
 

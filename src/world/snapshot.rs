@@ -3,7 +3,9 @@
 use crate::clouds::CloudKind;
 use crate::geo::{Attitude, Geodetic};
 use crate::lightning::flash::Light;
+use crate::lightning::strike::StrikeChannel;
 use glam::{DQuat, DVec3};
+use std::sync::Arc;
 
 use super::command::{Exposure, FlashKind, Frustum, Polarity, RegionShape};
 
@@ -34,6 +36,14 @@ pub struct Snapshot {
     pub sky: SkyState,
     /// What may be spent.
     pub quality: Quality,
+}
+
+impl Snapshot {
+    /// Whether something that a picture of it would show is still being made, so that another picture of the same moment may
+    /// differ.
+    pub fn provisional(&self) -> bool {
+        self.flashes.iter().any(|flash| !flash.lights.is_empty() && flash.channel.is_none())
+    }
 }
 
 /// Where the ownship is.
@@ -137,6 +147,9 @@ pub struct FlashState {
     pub ground_points_m: Vec<[f64; 2]>,
     /// Which parts of its channels shine in the shutter interval, with their mean luminous flux in lumens.
     pub lights: Vec<Light>,
+    /// The geometry of its channels, the same for as long as it lasts; `None` while it is still being grown, and where it gives
+    /// no light.
+    pub channel: Option<Arc<StrikeChannel>>,
 }
 
 /// Sun and moon as directions from the Earth's centre, ECEF axes, unit length.

@@ -2,12 +2,15 @@
 
 use crate::geo::Geodetic;
 use crate::geo::celestial::sun_and_moon;
+use crate::lightning::strike::StrikeSpec;
 use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
 
 use super::check;
 use super::clock::Clock;
 use super::command::{Command, Ownship, SkyEdit, StrikeRequest, WeatherEdit};
 use super::event::{Applied, Refused};
+use super::growing::{Channels, Growing};
 use super::light;
 use super::limits;
 use super::ownship::LastKnown;
@@ -58,6 +61,7 @@ pub struct State {
     views: Vec<ViewState>,
     clock: Clock,
     strikes: Strikes,
+    channels: Channels,
     next_flash_id: u64,
 }
 
@@ -74,6 +78,7 @@ impl State {
             views: vec![views::default_view(views::DEFAULT_VIEW)],
             clock: Clock::default(),
             strikes: Strikes::default(),
+            channels: Channels::default(),
             next_flash_id,
         }
     }
@@ -122,6 +127,38 @@ impl State {
     /// Begins the flashes that wait for a picture.
     pub fn begin_strikes(&mut self) {
         self.strikes.begin(self.now_s);
+        self.channels.forget(self.now_s);
+    }
+
+    /// The channel of a flash, grown or not.
+    pub fn channel(&self, flash: &FlashState) -> Arc<Growing> {
+        self.channels.of(flash.id, flash.end_s, || StrikeSpec {
+            kind: flash.kind,
+            polarity: flash.polarity,
+            seed: flash.seed,
+            origin_m: flash.position.altitude_m,
+            cloud_m: self.cloud_m(&flash.position).unwrap_or([flash.position.altitude_m; 2]),
+            grounds_m: flash.ground_points_m.clone(),
+        })
+    }
+
+    /// Enters the channel of the flash accepted last, so that it can be grown before anybody sees it.
+    fn begin_channel(&self) {
+        let Some(flash) = self.strikes.ongoing(self.now_s).last() else { return };
+        // Kept until a picture takes it over, or a second longer than it would last from now.
+        self.channels.of(flash.id, flash.end_s() + 1.0, || StrikeSpec {
+            kind: flash.kind,
+            polarity: flash.polarity,
+            seed: flash.seed,
+            origin_m: flash.position.altitude_m,
+            cloud_m: self.cloud_m(&flash.position).unwrap_or([flash.position.altitude_m; 2]),
+            grounds_m: flash.flash.ground_points_m.clone(),
+        });
+    }
+
+    /// Channels that are still to be grown, each given out once.
+    pub fn take_growing(&self) -> Vec<Arc<Growing>> {
+        self.channels.take_fresh()
     }
 
     /// Numbers of the flashes that have ended since the last call.
@@ -210,24 +247,27 @@ impl State {
     fn strike(&mut self, request: &StrikeRequest, scenario_flash_id: Option<u64>) -> Result<Applied, Refused> {
         let id = scenario_flash_id.unwrap_or(self.next_flash_id);
         let begin_s = request.at_s.or(scenario_flash_id.map(|_| self.now_s));
-        self.strikes.accept(id, request, begin_s, self.cloud_altitude_m(request), self.now_s)?;
+        let place = Geodetic {
+            latitude_rad: request.latitude_deg.to_radians(),
+            longitude_rad: request.longitude_deg.to_radians(),
+            altitude_m: 0.0,
+        };
+        let middle = |[base_m, top_m]: [f64; 2]| 0.5 * (base_m + top_m);
+        let altitude_m = self.cloud_m(&place).map_or(STRIKE_ALTITUDE_WITHOUT_CLOUD_M, middle);
+        self.strikes.accept(id, request, begin_s, altitude_m, self.now_s)?;
+        self.begin_channel();
         if scenario_flash_id.is_none() {
             self.next_flash_id += 1;
         }
         Ok(Applied::Flash { id })
     }
 
-    /// The middle of the lowest layer with any cloud in it, of the weather that rules (or will rule) at the place.
-    fn cloud_altitude_m(&self, request: &StrikeRequest) -> f64 {
-        let place = Geodetic {
-            latitude_rad: request.latitude_deg.to_radians(),
-            longitude_rad: request.longitude_deg.to_radians(),
-            altitude_m: 0.0,
-        };
-        let ruling = |region: &&Region| regions::weight_at(&region.at(self.now_s).shape, &place) >= 0.5;
+    /// Base and top of the lowest layer with any cloud in it, of the weather that rules (or will rule) at a place.
+    fn cloud_m(&self, place: &Geodetic) -> Option<[f64; 2]> {
+        let ruling = |region: &&Region| regions::weight_at(&region.at(self.now_s).shape, place) >= 0.5;
         let region = self.regions.iter().rev().filter(|region| !region.leaving()).find(ruling);
         let layers = region.map_or(&self.weather, Region::weather).targets();
         let cloud = layers.iter().find(|layer| layer.coverage > 0.0);
-        cloud.map_or(STRIKE_ALTITUDE_WITHOUT_CLOUD_M, |layer| layer.base_m + layer.thickness_m / 2.0)
+        cloud.map(|layer| [layer.base_m, layer.base_m + layer.thickness_m])
     }
 }

@@ -93,14 +93,15 @@ fn to_ground(spec: &StrikeSpec) -> Result<Plan, GrowError> {
     let (cos, sin) = cos_sin_turns(stream.unit());
     let slant = SLANT[usize::from(spec.polarity == Polarity::Positive)] * stream.unit() * origin_m;
     let start = grid.cell([cell(slant * cos), cell(slant * sin), up]);
-    let mut ends: Vec<Cell> = Vec::new();
-    for &[east, north] in grounds {
-        let end = grid.cell([cell(east), cell(north), 0]);
-        if !ends.contains(&end) {
-            ends.push(end);
+    let ends: Vec<Cell> = grounds.iter().map(|&[east, north]| grid.cell([cell(east), cell(north), 0])).collect();
+    // Ground points in one cell share their channel.
+    let mut goals: Vec<Cell> = Vec::new();
+    for &end in &ends {
+        if !goals.contains(&end) {
+            goals.push(end);
         }
     }
-    let scene = Scene { start, goal: Goal::Every(ends.clone()), ..Scene::top_to_bottom(grid) };
+    let scene = Scene { start, goal: Goal::Every(goals), ..Scene::top_to_bottom(grid) };
     let centre_m = [f64::from(middle) * cell_m, f64::from(middle) * cell_m, 0.0];
     let shape = Shape::of_cells(cell_m);
     Ok(Plan { scene, shape, ends, centre_m, squash: 1.0, height_m: 0.0, turn: (1.0, 0.0) })

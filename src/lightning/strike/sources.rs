@@ -1,6 +1,6 @@
 //! A few lights that stand for a channel: its light divided again and again where it is heaviest and widest.
 
-use super::{PartLight, StrikeChannel};
+use super::{Lit, StrikeChannel};
 use glam::DVec3;
 
 /// A light that stands for a part of a channel.
@@ -10,7 +10,7 @@ pub struct Source {
     pub position_m: [f32; 3],
     /// From there to either end of an even line that has the same spread along its axis.
     pub half_m: [f32; 3],
-    /// Light of the part, in the unit of [`PartLight`] times metres.
+    /// Light of the part, in the unit of the lights that it is lit by.
     pub weight: f64,
 }
 
@@ -34,10 +34,10 @@ struct Part {
 }
 
 /// At most `count` sources, in an order that depends on the channel alone.
-pub(super) fn sources(channel: &StrikeChannel, count: usize, parts: &PartLight) -> Vec<Source> {
+pub(super) fn sources(channel: &StrikeChannel, count: usize, lit: &Lit) -> Vec<Source> {
     let mut pieces = Vec::new();
     channel.visit(PIECE_M, |stretch| {
-        let weight = f64::from(stretch.light_m) * parts.of(stretch.grounds);
+        let weight = lit.of(channel, &stretch);
         if weight > 0.0 {
             let [a, b] = [stretch.from, stretch.to]
                 .map(|point| DVec3::from_array(channel.points[point as usize].position_m.map(f64::from)));

@@ -47,6 +47,7 @@ fn example() -> Snapshot {
         seed: 1,
         ground_points_m: vec![[0.0; 2]],
         lights: Vec::new(),
+        channel: None,
     });
     snapshot
 }

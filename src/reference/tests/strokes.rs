@@ -1,0 +1,96 @@
+//! Pictures of a flash at three rates hold the same light.
+
+use super::*;
+use crate::lightning::flash::{FlashKind, Polarity, StrokeSpec};
+use crate::world::World;
+use crate::world::command::{
+    Command, Exposure, LayerSpec, Ownship, StrikeRequest, Strokes, TimeEdit, ViewAction, ViewEdit, WeatherEdit,
+};
+
+/// A night 4 km south of where it strikes, under broken cumulus that stands still.
+fn night(strike: bool) -> World {
+    let mut world = World::new();
+    let mut apply = |command| world.apply(command).map(|_| ()).expect("a command of a test");
+    apply(Command::Ownship(Ownship {
+        latitude_deg: 47.0,
+        longitude_deg: 8.0,
+        altitude_m: 600.0,
+        yaw_deg: 0.0,
+        pitch_deg: 8.0,
+        roll_deg: 0.0,
+        velocity_ned_mps: None,
+        host_frame: 1,
+    }));
+    apply(Command::Time(TimeEdit { utc_s: Some(1_782_082_800.0), rate: Some(0.0) }));
+    let layer = LayerSpec {
+        kind: CloudKind::Cumulus,
+        base_m: 1_200.0,
+        thickness_m: 1_200.0,
+        coverage: 0.5,
+        density: 1.0,
+        wind_speed_mps: 0.0,
+        wind_from_deg: 0.0,
+    };
+    apply(Command::Weather(WeatherEdit { layers: Some(vec![layer]), ..Default::default() }));
+    apply(Command::View(ViewEdit {
+        action: ViewAction::Change,
+        name: "main".into(),
+        size_px: Some([48, 27]),
+        exposure: Some(Exposure::Ev100(2.0)),
+        ..Default::default()
+    }));
+    if strike {
+        let stroke = |delay_s, peak_current_ka| StrokeSpec {
+            delay_s,
+            peak_current_ka,
+            continuing_s: Some(0.0),
+            ground_point_m: None,
+        };
+        apply(Command::Strike(StrikeRequest {
+            latitude_deg: 47.036,
+            longitude_deg: 8.0,
+            altitude_m: None,
+            at_s: None,
+            kind: FlashKind::CloudToGround,
+            polarity: Polarity::Negative,
+            peak_current_ka: None,
+            strokes: Strokes::Given(vec![stroke(0.013, 30.0), stroke(0.061, 14.0)]),
+            leader: false,
+            seed: 5,
+        }));
+    }
+    world
+}
+
+fn linear(executor: &mut ReferenceExecutor, world: &mut World, shutter_s: f64) -> Vec<f32> {
+    let snapshot = world.snapshot(shutter_s);
+    let Pixels::LinearRgb(values) = executor.draw(&plan(&snapshot, &snapshot.views[0], Output::LinearRgb)) else {
+        panic!("not linear")
+    };
+    values
+}
+
+#[test]
+fn a_flash_gives_a_picture_the_same_light_at_24_60_and_120_hz() {
+    let mut executor = ReferenceExecutor::new();
+    let off = linear(&mut executor, &mut night(false), 1.0 / 60.0);
+    let mut light = |rate_hz: u32| {
+        let mut world = night(true);
+        let (mut sum, mut lit) = (0.0, 0);
+        // Two strokes of 24 ms each are over after 85 ms.
+        for frame in 0..rate_hz / 8 {
+            world.advance_to(f64::from(frame) / f64::from(rate_hz));
+            let on = linear(&mut executor, &mut world, 1.0 / f64::from(rate_hz));
+            let more: f64 = on.iter().zip(&off).map(|(on, off)| f64::from(on - off)).sum();
+            sum += more / f64::from(rate_hz);
+            lit += u32::from(more > 0.0);
+        }
+        (sum, lit)
+    };
+    let [(slow, few), (usual, _), (fast, many)] = [24, 60, 120].map(&mut light);
+    assert!(few >= 2 && many > few && slow > 0.0);
+    // What is drawn is in proportion to the light in the interval, the intervals abut, and f32 rounds.
+    for other in [slow, fast] {
+        assert!((other / usual - 1.0).abs() < 1e-3, "{slow} {usual} {fast}");
+    }
+}
