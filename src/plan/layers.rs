@@ -8,6 +8,8 @@ use crate::clouds::coverage::Coverage;
 use crate::clouds::{density, detail, slices};
 use crate::geo::charts::weights;
 use crate::passes::common::Chart;
+use crate::passes::deck::field::CLEAR;
+use crate::passes::deck::twin::OPAQUE;
 use crate::passes::deck::{FLASHES, Flash, Layer, REGIONS, Region};
 use crate::passes::light::Light;
 use crate::world::snapshot::{LayerState, Snapshot};
@@ -141,6 +143,10 @@ impl Context<'_> {
             detail_origin: origin,
             reach_m: 0.3 * density::TILE_M / look.elements[0].max(look.elements[1]) as f32,
             step_m: (1_200.0 / quality.slices as f32).max(4.0),
+            hidden_below: OPAQUE,
+            clear_below: CLEAR,
+            pad0: 0.0,
+            pad1: 0.0,
             chart: charts,
             outline,
             flash,

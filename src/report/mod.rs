@@ -7,6 +7,7 @@ mod check;
 mod compression;
 mod csv;
 mod deck;
+mod empty_space;
 mod encode;
 mod figure;
 mod html;

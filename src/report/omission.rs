@@ -22,6 +22,7 @@ pub const SUBJECT: Subject = Subject {
 };
 
 fn cases(run: &mut Run) -> Result<(), Stopped> {
+    super::empty_space::cases(run)?;
     let size_px = run.pick([160, 90], [640, 360]);
     let eye = EyePoint { altitude_m: 500.0, pitch_deg: 5.0, size_px, field_of_view_deg: 60.0 };
     let at = |coverage: f64| {

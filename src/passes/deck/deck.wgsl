@@ -126,10 +126,9 @@ fn deck_fragment(in: Passed) -> @location(0) vec4<f32> {
     var hidden = 0.0;
     var transmittance = 1.0;
     for (var i = 0u; going && i < MOST_LOOKS; i++) {
-        let shortest = shortest_step(at, least);
-        let end = min(far_t, at + shortest + beyond);
+        let end = min(far_t, next_look(at, least, beyond));
         let far = look(direction, end);
-        if near < 0.0 && far > 0.0 && beyond > shortest {
+        if near < 0.0 && far > 0.0 && went_far(at, least, end) {
             // A long step that ends inside the cloud went too far: its edge is looked for.
             beyond *= RETREAT;
         } else {
@@ -137,7 +136,7 @@ fn deck_fragment(in: Passed) -> @location(0) vec4<f32> {
             light += seen.light * transmittance;
             hidden += seen.hidden * transmittance;
             transmittance *= 1.0 - seen.alpha;
-            going = transmittance >= OPAQUE && end < far_t;
+            going = transmittance >= layer.hidden_below && end < far_t;
             near = far;
             at = end;
             beyond = clear_reach(near);

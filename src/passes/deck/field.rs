@@ -22,9 +22,9 @@ pub struct Textures<'a> {
     pub detail: &'a [u8],
 }
 
-/// A bound below this is not followed up by a look: no neighbour within a step is cloud, so that it matters to nobody
+/// A bound below this need not be followed up by a look: no neighbour within a step is cloud, so that it matters to nobody
 /// that it is a bound and not the value.
-const CLEAR: f32 = -0.25;
+pub const CLEAR: f32 = -0.25;
 /// A chart's weight from which on the others are not asked.
 const ALONE: f32 = 0.999_9;
 
@@ -47,12 +47,12 @@ pub fn margin(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_
         let moved = chart.displacement(z);
         let tile = (Vec2::from(chart.tile_origin_m) + moved) * (1.0 / density::TILE_M);
         let most = bound(textures.bounds, tile) + 0.5 * layer.detail - layer.theta - shift;
-        if bounded && most < CLEAR {
+        if bounded && most < layer.clear_below {
             return most;
         }
         let map = Vec2::from(chart.map_origin) + modulation::coordinates(moved);
         let above = layer.patchiness * map_repeat(textures.map, modulation::WIDTH, map.x, map.y);
-        if bounded && most - above < CLEAR {
+        if bounded && most - above < layer.clear_below {
             return most - above;
         }
         let value = volume_byte(textures.shape, density::WIDTH, density::HEIGHT, false, [tile.x, tile.y, share]);

@@ -36,6 +36,10 @@ struct Layer {
     detail_origin: vec2<f32>,
     reach_m: f32,
     step_m: f32,
+    hidden_below: f32,
+    clear_below: f32,
+    pad0: f32,
+    pad1: f32,
     chart: array<Chart, 3>,
     outline: array<Region, 16>,
     flash: array<Flash, 64>,
@@ -57,7 +61,6 @@ const STEP_PIXELS: f32 = 3.5;
 const STEP_GROWTH: vec2<f32> = vec2<f32>(0.004, 0.025);
 const RETREAT: f32 = 0.4;
 const HALVINGS: u32 = 10u;
-const CLEAR: f32 = -0.25;
 const ALONE: f32 = 0.9999;
 const RING_SHARE: f32 = 0.11;
 const RING_SLICES: f32 = 6.0;
@@ -154,10 +157,10 @@ fn margin_by(chart: u32, z: vec2<f32>, share: f32, shift: f32, alone: bool) -> f
     let moved = displacement(layer.chart[chart].a, layer.chart[chart].c, z);
     let tile = tile_at(chart, moved);
     var margin = bound_at(tile) + 0.5 * layer.detail - layer.theta - shift;
-    if margin >= CLEAR || !alone {
+    if margin >= layer.clear_below || !alone {
         let raised = raised_at(chart, moved);
         margin -= raised;
-        if margin >= CLEAR || !alone {
+        if margin >= layer.clear_below || !alone {
             margin = shape_at(vec3<f32>(tile, share)) - (layer.theta + raised + shift);
         }
     }
@@ -299,6 +302,34 @@ fn step_growth() -> f32 {
 
 fn shortest_step(at: f32, least: f32) -> f32 {
     return max(layer.step_m + step_growth() * at, least);
+}
+
+// The range of the next look: one step on, or as many steps as surely lie outside the cloud. Looks stand on the rungs of
+// the same ladder however many are left out, so that leaving out changes no picture.
+fn next_look(at: f32, least: f32, beyond: f32) -> f32 {
+    let shortest = shortest_step(at, least);
+    var end = at + shortest;
+    if beyond >= shortest {
+        let growth = step_growth();
+        let origin = layer.step_m / growth;
+        // Steps are even up to the range at which they begin to grow, then a geometric series.
+        let even = max(ceil(((least - layer.step_m) / growth - at) / max(least, 1e-3)), 0.0);
+        let grows = at + even * least;
+        let surely = end + beyond;
+        if surely < grows {
+            end = at + floor((surely - at) / least) * least;
+        } else {
+            let octaves = log2(1.0 + growth);
+            let steps = floor(log2((surely + origin) / (grows + origin)) / octaves);
+            end = (grows + origin) * exp2(steps * octaves) - origin;
+        }
+    }
+    return end;
+}
+
+// Whether a look that found cloud went further than one step.
+fn went_far(at: f32, least: f32, end: f32) -> bool {
+    return end - at > 1.001 * shortest_step(at, least);
 }
 
 // How far beyond the shortest step a look that found no cloud may go.

@@ -123,7 +123,7 @@ fn deck_march(
     let leg = leg_of(direction.z);
     var transmittance = 1.0 - nearer.a;
     // No return stands before the loop: lavapipe lets a loop run to its end for pixels that have returned.
-    var going = leg.begin < leg.end && transmittance >= OPAQUE;
+    var going = leg.begin < leg.end && transmittance >= layer.hidden_below;
     var at = leg.begin;
     var piece = Piece(0.0, 0.0, 0.0);
     var least = 0.0;
@@ -141,11 +141,10 @@ fn deck_march(
     var hidden = 0.0;
     var looks = 0u;
     for (var i = 0u; going && i < LEG_LOOKS; i++) {
-        let shortest = shortest_step(at, least);
-        let end = min(piece.end, at + shortest + beyond);
+        let end = min(piece.end, next_look(at, least, beyond));
         let far = look(direction, end);
         looks += 1u;
-        if near < 0.0 && far > 0.0 && beyond > shortest {
+        if near < 0.0 && far > 0.0 && went_far(at, least, end) {
             // A long step that ends inside the cloud went too far: its edge is looked for.
             beyond *= RETREAT;
         } else {
@@ -161,13 +160,13 @@ fn deck_march(
             at = piece.end;
             looks = 0u;
             beyond = clear_reach(near);
-            going = transmittance >= OPAQUE && at < leg.end;
+            going = transmittance >= layer.hidden_below && at < leg.end;
             if going {
                 piece = next_piece(leg, at, piece);
                 least = (piece.end - at) * (1.0 / f32(MOST_STEPS));
             }
         }
-        going = going && transmittance >= OPAQUE;
+        going = going && transmittance >= layer.hidden_below;
     }
     let own = exposed(direction, light, hidden, 1.0 - nearer.a - transmittance);
     if there.x < camera.width_px && there.y < camera.height_px {

@@ -103,6 +103,14 @@ pub struct Layer {
     pub reach_m: f32,
     /// Shortest step at the eye, m.
     pub step_m: f32,
+    /// Transmittance below which the walk ends: what is behind adds less than this share. 0: it never ends early.
+    pub hidden_below: f32,
+    /// Bound of the margin below which a column is not looked into; below -0.2 no picture depends on it. Very low: all are.
+    pub clear_below: f32,
+    /// Pads to 16 bytes.
+    pub pad0: f32,
+    /// Pads to 16 bytes.
+    pub pad1: f32,
     /// The charts.
     pub chart: [Chart; CHARTS],
     /// The outlines of the regions.

@@ -7,7 +7,7 @@ use crate::clouds::slices::shells;
 use crate::passes::common::Camera;
 use glam::Vec3;
 
-/// Where the walk stops: what is behind adds less than this share.
+/// Transmittance at which a pixel counts as opaque: what is behind adds less than this share.
 pub const OPAQUE: f32 = 0.004;
 
 /// What a ray has gathered: luminance towards the eye, and how much of what is behind still passes.
@@ -65,7 +65,7 @@ impl Ray<'_> {
     /// A span of a layer's heights on the way down or on the way up.
     fn leg(&self, prepared: &Prepared, leg: &Leg, gathered: &mut Gathered) {
         let (layer, up, down) = (prepared.layer, self.direction.z, leg.falling);
-        if gathered.transmittance < OPAQUE || (down && up >= 0.0) {
+        if gathered.transmittance < layer.hidden_below || (down && up >= 0.0) {
             return;
         }
         let r = self.camera.earth_m + self.camera.eye_m;
@@ -105,7 +105,7 @@ impl Ray<'_> {
         while piece.t < switch {
             let ring = ring_radius(layer, k).map_or(f32::INFINITY, |radius| radius / flat);
             self.segment(prepared, &mut piece, ring.min(switch), gathered);
-            if gathered.transmittance < OPAQUE {
+            if gathered.transmittance < layer.hidden_below {
                 return;
             }
             k += 1;
@@ -120,7 +120,7 @@ impl Ray<'_> {
                 continue;
             }
             self.segment(prepared, &mut piece, t.min(to), gathered);
-            if gathered.transmittance < OPAQUE || t >= to {
+            if gathered.transmittance < layer.hidden_below || t >= to {
                 return;
             }
         }
@@ -154,12 +154,12 @@ impl Ray<'_> {
         let mut near = piece.found.take().unwrap_or_else(|| self.look(prepared, piece.t));
         let mut at = piece.t;
         let mut beyond = layer.reach_m * (-near).max(0.0);
+        let steps = Steps::new(self.camera, layer, ds);
         for _ in 0..MOST_LOOKS {
-            let shortest = shortest_step(self.camera, layer, at, ds);
-            let end = t.min(at + shortest + beyond);
+            let end = t.min(steps.next_look(at, beyond));
             let far = self.look(prepared, end);
             // A long step that ends inside the cloud went too far: its edge is looked for.
-            if near < 0.0 && far > 0.0 && beyond > shortest {
+            if near < 0.0 && far > 0.0 && end - at > 1.001 * steps.shortest_m(at) {
                 beyond *= 0.4;
                 continue;
             }
@@ -170,7 +170,7 @@ impl Ray<'_> {
                 self.gather(prepared, at + (end - at) * share, (end - at) * whole, gathered);
             }
             near = far;
-            if gathered.transmittance < OPAQUE || end >= t {
+            if gathered.transmittance < layer.hidden_below || end >= t {
                 break;
             }
             at = end;
@@ -218,12 +218,45 @@ const STEP_GROWTH: [f32; 2] = [0.004, 0.025];
 /// Looks at most, with those that went too far.
 const MOST_LOOKS: u32 = 2 * MOST_STEPS;
 
-/// Step at the cloud's edge and inside: it grows with the range, as pixels do, and is never less than the share of the
-/// piece that lets it end within [`MOST_STEPS`]. Outside, as far as the cloud is certain not to reach is added.
-fn shortest_step(camera: &Camera, layer: &Layer, t: f32, ds: f32) -> f32 {
-    let pixel_rad = 2.0 * Vec3::from(camera.up).length() / camera.height_px;
-    let growth = (STEP_PIXELS * pixel_rad).clamp(STEP_GROWTH[0], STEP_GROWTH[1]);
-    (layer.step_m + growth * t).max(ds * (1.0 / MOST_STEPS as f32))
+/// The ladder on whose rungs the looks of a piece stand, however many are left out: leaving out changes no picture.
+struct Steps {
+    at_eye_m: f32,
+    growth: f32,
+    least_m: f32,
+}
+
+impl Steps {
+    /// Steps grow with the range, as pixels do, and are never less than the share of the piece of length `ds` that lets it
+    /// end within [`MOST_STEPS`].
+    fn new(camera: &Camera, layer: &Layer, ds: f32) -> Self {
+        let pixel_rad = 2.0 * Vec3::from(camera.up).length() / camera.height_px;
+        let growth = (STEP_PIXELS * pixel_rad).clamp(STEP_GROWTH[0], STEP_GROWTH[1]);
+        Self { at_eye_m: layer.step_m, growth, least_m: ds * (1.0 / MOST_STEPS as f32) }
+    }
+
+    /// The step at the cloud's edge and inside.
+    fn shortest_m(&self, at: f32) -> f32 {
+        (self.at_eye_m + self.growth * at).max(self.least_m)
+    }
+
+    /// The range of the next look: one step on, or as many steps as surely lie outside the cloud, which is `beyond` away.
+    fn next_look(&self, at: f32, beyond: f32) -> f32 {
+        let shortest = self.shortest_m(at);
+        if beyond < shortest {
+            return at + shortest;
+        }
+        let origin = self.at_eye_m / self.growth;
+        // Steps are even up to the range at which they begin to grow, then a geometric series.
+        let even = (((self.least_m - self.at_eye_m) / self.growth - at) / self.least_m.max(1e-3)).ceil().max(0.0);
+        let grows = at + even * self.least_m;
+        let target = at + shortest + beyond;
+        if target < grows {
+            return at + ((target - at) / self.least_m).floor() * self.least_m;
+        }
+        let octaves = (1.0 + self.growth).log2();
+        let steps = (((target + origin) / (grows + origin)).log2() / octaves).floor();
+        (grows + origin) * (steps * octaves).exp2() - origin
+    }
 }
 
 /// Radius of ring `k`; the last one lies at the layer's `ring_last_m`.
@@ -256,4 +289,35 @@ pub fn mean_clamped(a: f32, b: f32) -> f32 {
 /// where that is long against the range. Along a ray rings come first, then slabs.
 pub fn rings_carry(layer: &Layer, slice_ds: f32, t: f32, distance: f32) -> bool {
     slice_ds > t * RING_SHARE + RING_SLICES * layer.spacing_m && distance < layer.ring_last_m
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_steps_at_once_end_on_the_same_rungs_as_one_by_one() {
+        // Even steps only, even steps that begin to grow, growing ones only.
+        for (at_eye_m, growth, least_m) in [(4.0, 0.004, 50.0), (37.0, 0.0126, 200.0), (37.0, 0.0126, 1.0)] {
+            let steps = Steps { at_eye_m, growth, least_m };
+            for begin in [0.0f32, 800.0, 12_345.0] {
+                let rungs: Vec<f32> =
+                    std::iter::successors(Some(begin), |at| Some(at + steps.shortest_m(*at))).take(60).collect();
+                for (rung, at) in rungs.iter().enumerate().take(20) {
+                    for beyond in [0.0, 0.5 * steps.shortest_m(*at), 700.0, 2_500.0] {
+                        let end = steps.next_look(*at, beyond);
+                        let nearest =
+                            rungs.iter().skip(rung + 1).map(|t| (t - end).abs()).fold(f32::INFINITY, f32::min);
+                        // The closed form rounds once, the ladder at each rung: some 1e-6 of the range and the steps' origin.
+                        assert!(nearest < 0.1 || end > rungs[59], "{at} {beyond}: {end} is {nearest} from a rung");
+                        let furthest = at + steps.shortest_m(*at) + beyond;
+                        assert!(end > *at && end <= furthest + 0.1, "{at} {beyond}: {end}");
+                        // No rung that is surely outside is left for later.
+                        let next = end + steps.shortest_m(end);
+                        assert!(next > furthest - 0.1 || beyond < steps.shortest_m(*at), "{at} {beyond}: {end} {next}");
+                    }
+                }
+            }
+        }
+    }
 }
