@@ -3,6 +3,7 @@
 //! A Vulkan driver counts when the loader is there, its manifest names a library that is there, and the hardware that the
 //! library drives can be opened. (Distributions install manifests for every maker's hardware at once.) A software driver
 //! needs no hardware. Whoever says REQUIRE_GPU=1 gets the tests in any case, and they fail without an adapter.
+//! The same with Wireshark's `tshark`, which reads our CIGI traffic as a second opinion, and REQUIRE_TSHARK=1.
 
 use std::path::{Path, PathBuf};
 
@@ -25,7 +26,7 @@ const SOFTWARE: [&str; 2] = ["lvp", "swiftshader"];
 const DEVICES: [(&str, &str); 3] = [("/dev/dri", "renderD"), ("/dev", "nvidiactl"), ("/dev", "dxg")];
 
 fn main() {
-    println!("cargo::rustc-check-cfg=cfg(gpu_tests)");
+    println!("cargo::rustc-check-cfg=cfg(gpu_tests, tshark_tests)");
     for variable in ["REQUIRE_GPU", "VK_DRIVER_FILES", "VK_ICD_FILENAMES"] {
         println!("cargo::rerun-if-env-changed={variable}");
     }
@@ -38,6 +39,19 @@ fn main() {
     if std::env::var("REQUIRE_GPU").is_ok_and(|v| v == "1") || always || vulkan() {
         println!("cargo::rustc-cfg=gpu_tests");
     }
+    for variable in ["REQUIRE_TSHARK", "PATH"] {
+        println!("cargo::rerun-if-env-changed={variable}");
+    }
+    if std::env::var("REQUIRE_TSHARK").is_ok_and(|v| v == "1") || tshark().is_some() {
+        println!("cargo::rustc-cfg=tshark_tests");
+    }
+}
+
+/// Where `tshark` is, if it is in the search path.
+fn tshark() -> Option<PathBuf> {
+    let name = if cfg!(windows) { "tshark.exe" } else { "tshark" };
+    let path = std::env::var_os("PATH")?;
+    std::env::split_paths(&path).map(|folder| folder.join(name)).find(|file| file.is_file())
 }
 
 /// Whether a Vulkan driver of this machine can be expected to work.

@@ -151,7 +151,7 @@ struct SettingsFile {
     /// Port of a learned CIGI host to which answers go, as 8005; without it the port that it sends from.
     #[schemars(range(min = 1))]
     cigi_reply_port: Option<u16>,
-    /// Addresses that may be CIGI host; none: any.
+    /// Addresses that may be CIGI host; none: any of this machine. Beyond it either these or `cigi_host` have to be given.
     #[schemars(length(max = limits::SETTINGS_LIST), inner(length(min = limits::SETTINGS_TEXT_LENGTH.min, max = limits::SETTINGS_TEXT_LENGTH.max)))]
     cigi_allow: Vec<String>,
     /// Multicast group on which CIGI hosts are listened to as well.
@@ -174,6 +174,9 @@ struct SettingsFile {
     cigi_sea_level_m: f64,
     /// Seed of the storms that CIGI hosts ask for.
     cigi_seed: u32,
+    /// Width and height of the pictures of a CIGI host's views: CIGI has no word for them.
+    #[schemars(inner(range(min = limits::SIZE_PX.min, max = limits::SIZE_PX.max)))]
+    cigi_size_px: [u32; 2],
 }
 
 impl Default for Settings {

@@ -110,3 +110,13 @@ fn settings_files() {
 fn frame_messages() {
     run(&targets::FRAMES);
 }
+
+#[test]
+fn bounds_files() {
+    run(&targets::BOUNDS);
+}
+
+#[test]
+fn basis_files() {
+    run(&targets::BASIS);
+}

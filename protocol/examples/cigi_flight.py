@@ -1,7 +1,8 @@
 """The JSBSim flight over CIGI in place of the WebSocket: `jsbsim_host.py --cigi 3.3` or `--cigi 4.0`.
 
-Sends the aircraft 60 times a second, weather and strikes on the way, and asks for its height above the ground once a
-second; checks that every frame number comes back, that heights agree with the model's, and prints what it has counted.
+Sends the aircraft 60 times a second (with `--cigi-in-step` once for each Start of Frame of a synchronous server that
+makes 60 a second), weather and strikes on the way, and asks for its height above the ground once a
+second; checks that answers come back, that heights agree with the model's, and prints what it has counted.
 """
 
 import math
@@ -39,20 +40,38 @@ class Watch:
 
     def take(self):
         """Everything that has arrived."""
-        while True:
-            try:
-                packets = self.port.receive()
-            except (BlockingIOError, TimeoutError):
-                return
-            for name, fields in packets:
-                self.counts[name] = self.counts.get(name, 0) + 1
-                if name == "start_of_frame":
-                    self.echo_delays.append(self.port.frame - fields["host_frame"])
-                elif name == "hat_hot_extended":
-                    altitude = self.asked.pop(fields["id"], None)
-                    if altitude is None or not fields["flags"] & 1:
-                        raise Wrong(f"an answer to no question: {fields}")
-                    self.worst_m = max(self.worst_m, abs(fields["hat"] - altitude))
+        self.port.socket.setblocking(False)
+        while self.take_one():
+            pass
+
+    def take_one(self):
+        """One message of the image generator; false when none came in time."""
+        try:
+            packets = self.port.receive()
+        except (BlockingIOError, TimeoutError):
+            return False
+        self.count(packets)
+        return True
+
+    def wait(self, seconds):
+        """The next Start of Frame. Raises `Wrong` when the image generator is silent for so long."""
+        self.port.socket.settimeout(seconds)
+        if not self.take_one():
+            raise Wrong(f"no Start of Frame in {seconds} s; {self.summary()}")
+        self.take()
+
+    def count(self, packets):
+        """What one message says."""
+        for name, fields in packets:
+            self.counts[name] = self.counts.get(name, 0) + 1
+            if name == "start_of_frame":
+                self.echo_delays.append(self.port.frame - fields["host_frame"])
+            elif name == "hat_hot_extended":
+                altitude = self.asked.pop(fields["id"], None)
+                if altitude is None or not fields["flags"] & 1:
+                    raise Wrong(f"an answer to no question: {fields}")
+                # Above the ground, and the ground above sea level.
+                self.worst_m = max(self.worst_m, abs(fields["hat"] + fields["hot"] - altitude))
 
     def summary(self):
         """One line of numbers."""
@@ -82,7 +101,6 @@ def fly(flight, args):
     watch, pack = Watch(port), port.packer
     until(port, 0)
     until(port, 1, *scene(pack, 75.0))
-    port.socket.setblocking(False)
     began = time.monotonic()
     for tick in range(1, int(args.minutes * 60 * TICKS_PER_SECOND) + 1):
         for _ in range(MODEL_STEPS_PER_TICK):
@@ -105,14 +123,18 @@ def fly(flight, args):
         if tick == 150 * TICKS_PER_SECOND:
             packets += scene(pack, 95.0)
         port.send(*packets)
-        watch.take()
-        pause = began + tick / TICKS_PER_SECOND - time.monotonic()
-        if pause > 0.0:
-            time.sleep(pause)
+        if args.cigi_in_step:
+            watch.wait(120.0)
+        else:
+            watch.take()
+            time.sleep(max(0.0, began + tick / TICKS_PER_SECOND - time.monotonic()))
         if rest == 0 and second % 30 == 0:
             print(f"{state.time_s:6.1f} s: {state.altitude_m:6.0f} m, {state.airspeed_kt:3.0f} kt; {watch.summary()}", flush=True)
-    time.sleep(0.5)
-    watch.take()
-    if watch.worst_m > HEIGHT_TOLERANCE_M or len(watch.asked) > 1 or not watch.counts.get("conditions"):
+    # What was asked last has its answer soon; a server in step wants a message for each frame.
+    end = time.monotonic() + 30.0
+    while watch.asked and time.monotonic() < end:
+        port.send()
+        watch.wait(30.0)
+    if watch.worst_m > HEIGHT_TOLERANCE_M or watch.asked or not watch.counts.get("conditions"):
         raise Wrong(watch.summary())
     return watch

@@ -5,10 +5,11 @@ With a server that listens for CIGI (`stormdeck serve --config config/cigi.json`
 
     python3 cigi_host.py --version 4.0 --byte-order big
 
-Ends with 1 when an answer is missing or the image generator never goes into operation.
+Ends with 1 when an answer is missing at the end or the image generator never goes into operation.
 """
 
 import argparse
+import contextlib
 import math
 import struct
 import sys
@@ -28,6 +29,7 @@ def options():
     parser.add_argument("--byte-order", choices=["little", "big"], default="little", help="of what is sent")
     parser.add_argument("--seconds", type=float, default=20.0)
     parser.add_argument("--rate", type=float, default=60.0, help="messages a second; 0: one for each Start of Frame (synchronous)")
+    parser.add_argument("--patience", type=float, default=60.0, help="seconds to wait for answers at the end")
     return parser.parse_args()
 
 
@@ -56,7 +58,7 @@ def start(port):
         ]),
     ]:
         port.send(*packets, mode=mode)
-        until = time.monotonic() + 5.0
+        until = time.monotonic() + 30.0
         while port.mode != mode:
             if time.monotonic() > until:
                 sys.exit(f"the image generator does not go into mode {mode}")
@@ -75,42 +77,62 @@ def tell(name, fields):
         print(name, {key: round(value, 3) if isinstance(value, float) else value for key, value in fields.items()})
 
 
-def main():
-    """Flies for the time asked."""
-    typed = options()
-    host, _, number = typed.to.rpartition(":")
-    port = Port((host, int(number)), ("", typed.port), typed.version, typed.byte_order)
-    start(port)
-    pack, began, seen, said = port.packer, time.monotonic(), {}, {}
+def take(port, heard):
+    """Takes one message of the image generator; prints answers and counts them. Raises `TimeoutError` when it is silent."""
+    for name, fields in port.receive():
+        if name != "start_of_frame":
+            tell(name, fields)
+        heard[name] = heard.get(name, 0) + 1
+
+
+def fly(port, typed, heard):
+    """Circles for the time asked; returns how many seconds had their questions."""
+    pack, began, asked = port.packer, time.monotonic(), 0
     port.socket.settimeout(0.2 if typed.rate == 0 else 1e-4)
     while (now := time.monotonic() - began) < typed.seconds:
         latitude, longitude, heading = place(now)
         packets = [pack.entity(latitude, longitude, ALTITUDE, heading, 2.0, 20.0)]
-        second = int(now)
-        if second not in said:
-            said[second] = True
-            packets.append(pack.hat_hot_request(second, latitude, longitude, ALTITUDE))
-            packets.append(pack.conditions_request(second & 0xFF, latitude, longitude, 4000.0))
-            packets.append(pack.los_segment(second, (latitude, longitude, ALTITUDE), (latitude, longitude, 12_000.0)))
-            packets.append(pack.strike(100 + second, LATITUDE, LONGITUDE, 5000.0, -30.0 - second))
+        if now >= asked:
+            packets.append(pack.hat_hot_request(asked, latitude, longitude, ALTITUDE))
+            packets.append(pack.conditions_request(asked & 0xFF, latitude, longitude, 4000.0))
+            packets.append(pack.los_segment(asked, (latitude, longitude, ALTITUDE), (latitude, longitude, 12_000.0)))
+            packets.append(pack.strike(100 + asked, LATITUDE, LONGITUDE, 5000.0, -30.0 - asked))
+            asked += 1
         port.send(*packets)
         until = time.monotonic() + (1.0 / typed.rate if typed.rate else 0.0)
         while True:
-            try:
-                for name, fields in port.receive():
-                    if name != "start_of_frame":
-                        tell(name, fields)
-                    seen[name] = seen.get(name, 0) + 1
+            with contextlib.suppress(TimeoutError):
+                take(port, heard)
                 if typed.rate == 0:
                     break
-            except TimeoutError:
-                pass
             if time.monotonic() >= until:
                 break
-    print({"sent": port.frame, **seen})
-    missing = {"start_of_frame", "hat_hot_extended", "conditions", "line_of_sight"} - seen.keys()
-    if missing:
-        sys.exit(f"never answered: {', '.join(sorted(missing))}")
+    return asked
+
+
+def main():
+    """Flies, waits for what has not been answered, and tells."""
+    typed = options()
+    host, _, number = typed.to.rpartition(":")
+    port = Port((host, int(number)), ("", typed.port), typed.version, typed.byte_order)
+    start(port)
+    heard = {}
+    asked = fly(port, typed, heard)
+    answers = ("hat_hot_extended", "conditions", "line_of_sight")
+
+    def missing():
+        return [f"{asked - heard.get(name, 0)} of {asked} {name}" for name in answers if heard.get(name, 0) < asked]
+
+    # The first answers wait until the clouds are made, which takes a busy machine a while.
+    port.socket.settimeout(0.2)
+    until = time.monotonic() + typed.patience
+    while missing() and time.monotonic() < until:
+        port.send()
+        with contextlib.suppress(TimeoutError):
+            take(port, heard)
+    print({"sent": port.frame, **heard})
+    if missing():
+        sys.exit(f"not answered: {', '.join(missing())}")
 
 
 if __name__ == "__main__":

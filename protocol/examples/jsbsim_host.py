@@ -37,6 +37,7 @@ def options():
     parser.add_argument("--cigi-to", default="127.0.0.1:8004", help="where the server listens for CIGI")
     parser.add_argument("--cigi-port", type=int, default=8005, help="UDP port to listen on, and to send from")
     parser.add_argument("--cigi-byte-order", choices=["little", "big"], default="little", help="of what is sent")
+    parser.add_argument("--cigi-in-step", action="store_true", help="one message for each frame of a synchronous server")
     return parser.parse_args()
 
 

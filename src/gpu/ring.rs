@@ -8,6 +8,7 @@ use half::f16;
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
+use std::time::Instant;
 
 /// Pictures under way at once.
 pub const DEPTH: usize = 3;
@@ -108,11 +109,12 @@ impl Ring {
         let mut finished = Vec::new();
         while self.under_way.front().is_some_and(|slot| slot.state.load(Ordering::Acquire) != WAITING) {
             let Some(slot) = self.under_way.pop_front() else { break };
+            let begin = Instant::now();
             let read = if slot.state.load(Ordering::Acquire) == READY { slot.pixels() } else { None };
             let Some(pixels) = read else {
                 return Err(Fault::DeviceLost("a picture could not be read back".to_owned()));
             };
-            finished.push(Finished { ticket: slot.ticket, pixels });
+            finished.push(Finished { ticket: slot.ticket, pixels, read_back: begin.elapsed() });
             slot.buffer.unmap();
             self.free.push(slot.buffer);
             self.free.drain(..self.free.len().saturating_sub(2 * DEPTH));

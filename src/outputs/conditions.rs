@@ -4,7 +4,7 @@ use super::air::{Air, AirLayer, AirMass};
 use super::field::Field;
 use crate::geo::Geodetic;
 use crate::world::regions::weight_at;
-use crate::world::snapshot::Snapshot;
+use crate::world::snapshot::{LayerState, Snapshot};
 use glam::Vec3;
 
 /// Optical depth of a visibility: contrast of 5 %, as everywhere in the house.
@@ -34,7 +34,7 @@ pub fn conditions(snapshot: &Snapshot, air: &Air, point: &Geodetic) -> Condition
     let field = Field::around(snapshot, point);
     let cloud_per_m = f64::from(field.cloud_per_m(Vec3::Z, 0.0));
     let mut extinction_per_m = cloud_per_m + f64::from(field.haze_per_m());
-    let mut mixed = standard(&air.global, point.altitude_m - air.sea_level_m);
+    let mut mixed = carried(snapshot, point, standard(&air.global, point.altitude_m - air.sea_level_m));
     let mut aerosols = Vec::new();
     for (index, layer) in air.layers.iter().enumerate() {
         let (here, here_for_aerosol) = share(air, index, point);
@@ -58,6 +58,21 @@ pub fn standard(sea_level: &AirMass, height_m: f64) -> AirMass {
     let low_hpa = sea_level.pressure_hpa * (low_k / ground_k).powf(GMR_K_PER_M / LAPSE_K_PER_M);
     let pressure_hpa = low_hpa * (-GMR_K_PER_M * (height_m - low_m) / low_k).exp();
     AirMass { temperature_c: low_k - ZERO_C_IN_K, pressure_hpa, ..*sea_level }
+}
+
+/// Air with the wind that carries the clouds at a point, where it is inside a layer that is drawn.
+fn carried(snapshot: &Snapshot, point: &Geodetic, air: AirMass) -> AirMass {
+    let shares = snapshot.regions.iter().map(|region| region.presence * weight_at(&region.shape, point));
+    let around: f64 = shares.clone().map(|share| 1.0 - share).product();
+    let weathers = snapshot.regions.iter().map(|region| &region.weather).zip(shares);
+    std::iter::once((&snapshot.weather, around)).chain(weathers).fold(air, |air, (weather, share)| {
+        let inside =
+            |layer: &&LayerState| (layer.base_m..=layer.base_m + layer.thickness_m).contains(&point.altitude_m);
+        weather.layers.iter().find(inside).map_or(air, |layer| {
+            let there = AirMass { wind_speed_mps: layer.wind_speed_mps, wind_from_deg: layer.wind_from_deg, ..air };
+            mix(&air, &there, share)
+        })
+    })
 }
 
 /// How much of a layer's air, and of its aerosol, is at a point: 1 inside, falling over its bands and its region's transition;
@@ -162,6 +177,25 @@ mod tests {
         let clear = conditions(&snapshot, &Air::default(), &place(47.0, 8.0, 2_500.0)).visibility_m;
         let expected = 1.0 / (1.0 / 2_000.0 + 1.0 / clear);
         assert!((at(2_500.0).visibility_m / expected - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn inside_a_layer_blows_the_wind_that_carries_its_clouds() {
+        let mut snapshot = clear_day();
+        let deck = LayerState { wind_speed_mps: 12.0, wind_from_deg: 250.0, ..layer_state(1_000.0) };
+        snapshot.weather.layers = vec![deck];
+        let wind = |altitude_m: f64| {
+            let found = conditions(&snapshot, &Air::default(), &place(47.0, 8.0, altitude_m)).air;
+            (found.wind_speed_mps, found.wind_from_deg)
+        };
+        let (speed, from) = wind(1_200.0);
+        // A vector of length 12 turned into speed and direction and back: rounding alone.
+        assert!((speed - 12.0).abs() < 1e-12 && (from - 250.0).abs() < 1e-9, "{speed} {from}");
+        assert_eq!((wind(900.0).0, wind(2_100.0).0), (0.0, 0.0), "nobody has said anything of the air around it");
+    }
+
+    fn layer_state(base_m: f64) -> LayerState {
+        crate::plan::scenes::layer(crate::clouds::CloudKind::Cumulus, base_m, 1_000.0)
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The clouds and the haze at a point and along a line: the very field that the deck pass draws, asked without a picture.
 
 use crate::clouds::density::DensityVolume;
-use crate::clouds::{detail, modulation};
+use crate::clouds::{CloudKind, detail, modulation};
 use crate::geo::Geodetic;
 use crate::passes::common::{AIR_SCALE_M, HAZE_SCALE_M};
 use crate::passes::deck::field::{Textures, column_bounds, margin};
@@ -9,13 +9,13 @@ use crate::plan::{FramePlan, Output, plan};
 use crate::world::command::Exposure;
 use crate::world::snapshot::{OwnshipState, Snapshot, ViewState};
 use glam::Vec3;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// The field around a point.
 pub struct Field {
     plan: FramePlan,
     /// One a layer of the plan.
-    volumes: Vec<(Arc<DensityVolume>, Vec<u8>)>,
+    volumes: Vec<(Arc<DensityVolume>, &'static [u8])>,
 }
 
 impl Field {
@@ -36,12 +36,7 @@ impl Field {
             carrier: Some(carrier),
         };
         let plan = plan(snapshot, &view, Output::LinearRgb);
-        let volume = |kind| {
-            let volume = DensityVolume::of(kind);
-            let bounds = column_bounds(&volume.shape);
-            (volume, bounds)
-        };
-        let volumes = plan.layers.iter().map(|layer| volume(layer.kind)).collect();
+        let volumes = plan.layers.iter().map(|layer| (DensityVolume::of(layer.kind), bounds(layer.kind))).collect();
         Self { plan, volumes }
     }
 
@@ -88,4 +83,10 @@ impl Field {
     pub fn height_m(&self, direction: Vec3, range_m: f32) -> f32 {
         self.plan.camera.height_at(direction.z, range_m)
     }
+}
+
+/// Bounds of a genus's columns, made at first use and kept: 16 KiB each.
+fn bounds(kind: CloudKind) -> &'static [u8] {
+    static KEPT: [OnceLock<Vec<u8>>; CloudKind::ALL.len()] = [const { OnceLock::new() }; CloudKind::ALL.len()];
+    KEPT[kind.index()].get_or_init(|| column_bounds(&DensityVolume::of(kind).shape))
 }

@@ -59,6 +59,13 @@ impl Ray {
         let direction = way.try_normalize().unwrap_or(DVec3::X);
         Self { from, direction, from_m: 0.0, to_m: way.length(), opaque: None, ground: true }
     }
+
+    /// From a point in a direction: clockwise from true north, and above level.
+    pub fn towards(from: Geodetic, azimuth_rad: f64, elevation_rad: f64, from_m: f64, to_m: f64) -> Self {
+        let level = elevation_rad.cos();
+        let local = DVec3::new(level * azimuth_rad.sin(), level * azimuth_rad.cos(), elevation_rad.sin());
+        Self { from, direction: (enu(&from) * local).normalize(), from_m, to_m, opaque: None, ground: true }
+    }
 }
 
 /// Follows a ray.

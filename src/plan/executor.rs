@@ -2,6 +2,7 @@
 
 use crate::frame::Pixels;
 use crate::plan::FramePlan;
+use std::time::Duration;
 
 /// Our own failure (not a client's): said once in the log, counted, never silent.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -31,6 +32,8 @@ pub struct Finished {
     pub ticket: u64,
     /// The picture.
     pub pixels: Pixels,
+    /// How long it took from the drawn picture to its pixels in main memory.
+    pub read_back: Duration,
 }
 
 /// Plays plans. Owned by the render thread alone.

@@ -24,6 +24,7 @@ use images::Image;
 use rayon::prelude::*;
 use std::collections::VecDeque;
 use std::sync::Arc;
+use std::time::Duration;
 
 /// Light volumes kept at once (8 MiB each), or as many as one picture needs.
 const VOLUMES_KEPT: usize = 16;
@@ -220,7 +221,7 @@ impl Executor for ReferenceExecutor {
 
     fn submit(&mut self, ticket: u64, plan: &FramePlan) -> Result<(), Fault> {
         let pixels = self.draw(plan);
-        self.finished.push_back(Finished { ticket, pixels });
+        self.finished.push_back(Finished { ticket, pixels, read_back: Duration::ZERO });
         Ok(())
     }
 

@@ -12,6 +12,7 @@ mod encode;
 mod figure;
 mod html;
 mod images;
+mod latency;
 mod lightning;
 mod lit_cloud;
 mod machine;
@@ -52,5 +53,6 @@ pub fn subjects() -> &'static [Subject] {
         relight::SUBJECT,
         stability::SUBJECT,
         omission::SUBJECT,
+        latency::SUBJECT,
     ]
 }

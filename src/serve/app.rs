@@ -8,6 +8,7 @@ use super::picture;
 use super::roles::Roles;
 use super::socket::Peer;
 use super::world_task::Request;
+use crate::outputs::air::Air;
 use crate::settings::Settings;
 use crate::wire::limits;
 use crate::world::command::{Command, ScenarioEdit};
@@ -19,10 +20,10 @@ use axum::middleware::{self, Next};
 use axum::response::{Html, IntoResponse, Response};
 use axum::routing::{any, get};
 use std::collections::BTreeMap;
-use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
-use tokio::sync::{mpsc, oneshot};
+use tokio::sync::{Semaphore, mpsc, oneshot};
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
@@ -33,6 +34,10 @@ pub(super) struct App {
     pub(super) hub: Arc<Hub>,
     pub(super) metrics: Arc<Metrics>,
     pub(super) roles: Roles,
+    /// Turns of those who ask the world, so that questions cannot take all of the processor.
+    pub(super) questions: Arc<Semaphore>,
+    /// What a CIGI host has said of the air.
+    pub(super) air: Mutex<Arc<Air>>,
     pub(super) requests: mpsc::Sender<Request>,
     pub(super) tasks: TaskTracker,
     /// Say goodbye and end.
@@ -46,6 +51,16 @@ pub(super) struct App {
 pub(super) type Parameters = Query<BTreeMap<String, String>>;
 
 impl App {
+    /// What a CIGI host has said of the air; the standard atmosphere where none speaks.
+    pub(super) fn air(&self) -> Arc<Air> {
+        Arc::clone(&self.air.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// A CIGI host has said something of the air.
+    pub(super) fn set_air(&self, air: Air) {
+        *self.air.lock().unwrap_or_else(PoisonError::into_inner) = Arc::new(air);
+    }
+
     /// Asks the world task; waits for room in its queue and for its answer.
     pub(super) async fn ask_world<T>(&self, request: impl FnOnce(oneshot::Sender<T>) -> Request) -> Result<T, Refused> {
         let stopping = || Refused::new("server", "", "a running server", "the server stops");

@@ -5,12 +5,16 @@
 
 mod answers;
 pub mod counters;
+#[cfg(test)]
+mod effects;
 mod link;
 mod outbox;
+mod questions;
 mod session;
 
 use super::app::App;
 use crate::settings::CigiSettings;
+use crate::wire::limits::CIGI_PACKETS_AT_ONCE;
 use crate::world::event::Event;
 use counters::Counters;
 use session::Session;
@@ -79,9 +83,13 @@ pub(super) async fn run(
                     tracing::error!(%error, "fault: the CIGI port is gone");
                     break;
                 }
+                let mut packets = 0;
                 for _ in 0..AT_ONCE {
+                    if packets > CIGI_PACKETS_AT_ONCE {
+                        break;
+                    }
                     match socket.try_recv_from(&mut datagram) {
-                        Ok((length, from)) => session.datagram(&datagram[..length], from).await,
+                        Ok((length, from)) => packets += session.datagram(&datagram[..length], from).await,
                         Err(error) if error.kind() == std::io::ErrorKind::WouldBlock => break,
                         // An earlier answer that nobody took (ICMP): no reason to stop listening.
                         Err(_) => Counters::one(&counters.send_failures),

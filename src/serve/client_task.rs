@@ -5,6 +5,7 @@ use super::dispatch::{Session, Verdict};
 use super::flood::{Bucket, Verdict as Flood};
 use super::hub::Client;
 use super::queue::{AWAY, Copy, Item, POLICY, TOO_BIG};
+use super::stages::Stage;
 use crate::wire::control;
 use crate::wire::control::out::{Outbound, Refusal};
 use crate::wire::frames::{self, FrameError, FrameHeader};
@@ -190,6 +191,9 @@ async fn write(app: Arc<App>, client: Arc<Client>, mut sink: SplitSink<WebSocket
             }
         }
         if let Some(copy) = copy {
+            if !copy.frame.repeated {
+                app.metrics.stages.add_us(Stage::Send, app.metrics.now_us().saturating_sub(copy.encoded_us));
+            }
             app.metrics.count(&copy.frame.view, |counts| counts.sent += 1);
             if let Some(taking) = client.subscriptions().get_mut(&copy.frame.view) {
                 taking.sent += 1;

@@ -4,12 +4,15 @@ use super::app::App;
 use super::client_task::refuse;
 use super::hub::Client;
 use super::roles::{Claim, ClientId};
+use super::stages::Stage;
 use super::statistics;
 use super::step::{Outcome, StepFrame};
 use super::world_task::{Request, State};
 use crate::outputs;
+use crate::outputs::air::Air;
 use crate::wire::control::out::{
-    Ack, EventMessage, Outbound, PlanMessage, StateMessage, Stepped, SteppedFrame, Welcome,
+    Ack, ConditionsMessage, EventMessage, HeightsMessage, Outbound, PlanMessage, SightMessage, StateMessage, Stepped,
+    SteppedFrame, Welcome,
 };
 use crate::wire::control::{self, Hello, Message, Query, Role, Subscription};
 use crate::wire::limits;
@@ -88,6 +91,7 @@ impl Session {
                 return if self.trusted { Verdict::Go } else { Verdict::End("no hello with the token") };
             }
         };
+        self.app.metrics.stages.add_us(Stage::Decode, self.app.metrics.now_us().saturating_sub(received_us));
         let seq = inbound.seq;
         let result = match inbound.message {
             Message::Hello(hello) => self.hello(seq, hello).await,
@@ -169,7 +173,9 @@ impl Session {
 
     async fn command(&self, seq: Option<u64>, command: Command, received_us: u64) -> Result<(), Refused> {
         self.must_be_host()?;
+        let begin_us = self.app.metrics.now_us();
         let applied = self.ask(|reply| Request::Apply { command, received_us, reply }).await??;
+        self.app.metrics.stages.add_us(Stage::Apply, self.app.metrics.now_us().saturating_sub(begin_us));
         let flash = match applied {
             Applied::Flash { id } => Some(id),
             Applied::Done => None,
@@ -237,9 +243,53 @@ impl Session {
                 Outbound::Plan(PlanMessage::new(seq, &view, &plan))
             }
             Query::Statistics => Outbound::Statistics(statistics::statistics(&self.app, seq)),
+            Query::Heights(at) => {
+                let point = at.geodetic();
+                let found = outputs::ground::hat_hot(&point);
+                let found =
+                    found.ok_or_else(|| Refused::new("latitude_deg", at.latitude_deg, "", "there is no ground"))?;
+                Outbound::Heights(HeightsMessage::new(seq, &point, &found))
+            }
+            Query::LineOfSightSegment(line) => {
+                let ray = line.ray()?;
+                let seen = self.work_out(move |snapshot, _| outputs::sight::sight(snapshot, &ray)).await?;
+                Outbound::LineOfSight(SightMessage::new(seq, &seen))
+            }
+            Query::LineOfSightVector(ray) => {
+                let ray = ray.ray()?;
+                let seen = self.work_out(move |snapshot, _| outputs::sight::sight(snapshot, &ray)).await?;
+                Outbound::LineOfSight(SightMessage::new(seq, &seen))
+            }
+            Query::Conditions(at) => {
+                let point = at.geodetic();
+                let conditions =
+                    move |snapshot: &Snapshot, air: &Air| outputs::conditions::conditions(snapshot, air, &point);
+                let found = self.work_out(conditions).await?;
+                Outbound::Conditions(ConditionsMessage::new(seq, &found))
+            }
         };
         self.answer(&message);
         Ok(())
+    }
+
+    /// Works an answer out from the world as it is now: not on a thread that serves sockets, and few at a time, so that
+    /// watchers who ask a lot take no more than a share of the processor.
+    async fn work_out<T: Send + 'static>(
+        &self,
+        work: impl FnOnce(&Snapshot, &Air) -> T + Send + 'static,
+    ) -> Result<T, Refused> {
+        let failed = |why: String| Refused::new("query", "", "", format!("a fault of the server: {why}"));
+        let turn = Arc::clone(&self.app.questions).acquire_owned().await.map_err(|error| failed(error.to_string()))?;
+        let (snapshot, air) = (self.state().await?.snapshot, self.app.air());
+        let done = tokio::task::spawn_blocking(move || {
+            let _turn = turn;
+            work(&snapshot, &air)
+        });
+        done.await.map_err(|error| {
+            self.app.metrics.faults.fetch_add(1, Relaxed);
+            tracing::error!(%error, "fault: an answer could not be worked out");
+            failed(error.to_string())
+        })
     }
 
     async fn state(&self) -> Result<State, Refused> {

@@ -7,6 +7,7 @@ use super::hub::{Ask, Client, Hub, Picture};
 use super::metrics::Metrics;
 use super::queue::{Copy, POLICY, Pushed};
 use super::render_thread::Rendered;
+use super::stages::Stage;
 use super::step::StepGuard;
 use super::strikes::Strikes;
 use crate::encode;
@@ -141,6 +142,10 @@ impl FanOut {
             let all = cells.iter().map(|(format, cell)| encode_once(cell, &frame, *format, &metrics));
             let encoded = formats.into_iter().zip(join_all(all).await).collect();
             let encoded_us = metrics.now_us();
+            if !frame.repeated && !recipients.is_empty() {
+                metrics.stages.add_us(Stage::Encode, encoded_us.saturating_sub(frame.stamps.finished_us));
+                metrics.stages.encoded(frame.stamps.received_us, encoded_us);
+            }
             Parcel { frame, guard, recipients, asks, encoded, encoded_us }
         }
     }

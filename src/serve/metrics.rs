@@ -1,6 +1,7 @@
 //! Numbers for operators: counted where things happen, read by `/metrics`, telemetry and the statistics query alike.
 
 use super::cigi::counters::Counters;
+use super::stages::{Stage, Stages};
 use crate::frame::LatencyStamps;
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt::Write as _;
@@ -56,6 +57,8 @@ pub(super) struct Metrics {
     pub(super) render: Summary,
     /// One picture into one format.
     pub(super) encode: Summary,
+    /// Where the time between a message and its frame goes.
+    pub(super) stages: Arc<Stages>,
 }
 
 /// Counts of one view.
@@ -103,7 +106,7 @@ impl ViewCounts {
 const RATE_FRAMES: usize = 128;
 
 impl Metrics {
-    pub(super) fn new() -> Self {
+    pub(super) fn new(stages: Arc<Stages>) -> Self {
         let zero = AtomicU64::default;
         Self {
             start: Instant::now(),
@@ -130,6 +133,7 @@ impl Metrics {
             views: Mutex::default(),
             render: Summary::default(),
             encode: Summary::default(),
+            stages,
         }
     }
 
@@ -221,7 +225,19 @@ impl Metrics {
         for (view, counts) in self.views() {
             counts.delay.text(&mut out, "message_to_frame_seconds", &format!("view=\"{}\"", escape(&view)));
         }
+        self.stages_text(&mut out);
         out
+    }
+
+    fn stages_text(&self, out: &mut String) {
+        head(out, "stage_seconds", "From a host's message to its frame, by stage", "summary");
+        for stage in Stage::ALL {
+            let mut samples = Samples::default();
+            self.stages.newest_us(stage).into_iter().for_each(|us| samples.add_us(us));
+            if samples.kept() > 0 {
+                samples.text(out, "stage_seconds", &format!("stage=\"{}\"", stage.name()));
+            }
+        }
     }
 
     fn views_text(&self, out: &mut String) {
@@ -346,13 +362,15 @@ mod tests {
 
     #[test]
     fn text_has_each_number_with_its_view_and_escapes_names() {
-        let metrics = Metrics::new();
+        let metrics = Metrics::new(Arc::default());
+        metrics.stages.add_us(Stage::Plan, 250);
         metrics.set_executor("a \"fast\" one".into());
         metrics.count("nose", |c| c.dropped += 3);
         metrics.messages.fetch_add(5, Relaxed);
         let text = metrics.text();
         assert!(text.contains("stormdeck_frames_dropped_total{view=\"nose\"} 3\n"), "{text}");
         assert!(text.contains("stormdeck_messages_total 5\n"), "{text}");
+        assert!(text.contains("stage_seconds{stage=\"plan\",quantile=\"0.5\"} 0.00025\n"), "{text}");
         assert!(text.contains("executor=\"a \\\"fast\\\" one\""), "{text}");
         metrics.retain_views(|_| false);
         assert!(!metrics.text().contains("nose"));

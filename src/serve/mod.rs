@@ -15,6 +15,7 @@ mod flood;
 mod grower;
 mod hub;
 mod inbox;
+mod inside;
 mod metrics;
 mod pacer;
 mod picture;
@@ -24,16 +25,20 @@ mod ring;
 mod roles;
 mod signals;
 mod socket;
+mod stages;
 mod statistics;
 mod step;
 mod strikes;
 mod world_task;
 
+pub use inside::with_server;
 pub use render_thread::ExecutorFactory;
 pub use signals::shutdown_signal;
+pub use stages::{Stage, Stages};
 
 use crate::plan::executor::Fault;
 use crate::settings::Settings;
+use crate::wire::limits;
 use crate::world::World;
 use crate::world::command::{Command, ScenarioEdit};
 use crate::world::event::Refused;
@@ -52,7 +57,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use strikes::Strikes;
 use tokio::net::TcpListener;
-use tokio::sync::{mpsc, oneshot};
+use tokio::sync::{Semaphore, mpsc, oneshot};
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 use world_task::WorldTask;
@@ -101,11 +106,22 @@ pub async fn run(
     executor_factory: ExecutorFactory,
     shutdown: impl Future<Output = ()>,
 ) -> Result<(), ServeError> {
+    run_measured(listener, settings, executor_factory, shutdown, Arc::default()).await
+}
+
+/// As [`run`], adding the durations of each stage to `stages`.
+async fn run_measured(
+    listener: TcpListener,
+    settings: Settings,
+    executor_factory: ExecutorFactory,
+    shutdown: impl Future<Output = ()>,
+    stages: Arc<Stages>,
+) -> Result<(), ServeError> {
     let address = listener.local_addr()?;
     let (stop, kill, tasks) = (CancellationToken::new(), CancellationToken::new(), TaskTracker::new());
     // Whatever way this function is left, nothing stays behind.
     let _guards = (stop.clone().drop_guard(), kill.clone().drop_guard());
-    let metrics = Arc::new(Metrics::new());
+    let metrics = Arc::new(Metrics::new(stages));
     let strikes = Arc::new(Strikes::default());
     let inbox = Arc::new(Inbox::new(Arc::clone(&strikes), u64::from(settings.step_memory_mib) << 20));
     let _stops_drawing = StopOnDrop(Arc::clone(&inbox));
@@ -145,6 +161,8 @@ pub async fn run(
         hub,
         metrics,
         roles: Roles::default(),
+        questions: Arc::new(Semaphore::new(limits::QUESTIONS_AT_ONCE)),
+        air: Default::default(),
         requests,
         tasks: tasks.clone(),
         stop: stop.clone(),

@@ -5,6 +5,7 @@ use super::inbox::{Inbox, Posted, Work};
 use super::metrics::Metrics;
 use super::pacer::Pacer;
 use super::ring::{Ring, Slot};
+use super::stages::Stage;
 use super::step::StepGuard;
 use super::strikes::Strikes;
 use crate::frame::{Frame, LatencyStamps, Pixels};
@@ -167,7 +168,9 @@ impl RenderThread {
                 let _closed = self.out.blocking_send(Rendered::Failing { view: view.name.clone(), why, pause: None });
                 continue;
             }
+            let begin_us = self.metrics.now_us();
             let planned = catch_unwind(AssertUnwindSafe(|| plan(snapshot, view, Output::Srgb8)));
+            self.metrics.stages.add_us(Stage::Plan, self.metrics.now_us().saturating_sub(begin_us));
             let plan = match planned {
                 Ok(plan) => Arc::new(plan),
                 Err(panic) => {
@@ -263,6 +266,10 @@ impl RenderThread {
                     if let Some(slot) = self.ring.slot_mut(picture.ticket) {
                         slot.drawing = false;
                         slot.finished_us = now_us;
+                        let read_back_us = picture.read_back.as_micros() as u64;
+                        let drawing_us = now_us.saturating_sub(slot.submitted_us + read_back_us);
+                        self.metrics.stages.add_us(Stage::Passes, drawing_us);
+                        self.metrics.stages.add_us(Stage::ReadBack, read_back_us);
                         slot.pixels = Some(Arc::new(picture.pixels));
                     }
                 }

@@ -6,6 +6,7 @@ use super::hub::Hub;
 use super::inbox::{Inbox, Posted};
 use super::metrics::Metrics;
 use super::roles::ClientId;
+use super::stages::Stage;
 use super::step::{Outcome, StepGuard};
 use super::strikes::Strikes;
 use crate::wire::control::out::Player;
@@ -32,6 +33,8 @@ pub(super) type Begin = Box<dyn FnOnce(&Snapshot) -> Result<(), Refused> + Send>
 pub(super) enum Request {
     /// A command of the host, read from its socket at `received_us`.
     Apply { command: Command, received_us: u64, reply: oneshot::Sender<Result<Applied, Refused>> },
+    /// All commands of one message: no frame shows only some of them.
+    ApplyAll { commands: Vec<Command>, received_us: u64, reply: oneshot::Sender<Vec<Result<Applied, Refused>>> },
     /// Lockstep, driven by this client: `answer` is called when the step is done, `reply` at once says whether it was
     /// accepted.
     Step { client: ClientId, to_s: f64, answer: StepAnswer, reply: oneshot::Sender<Result<(), Refused>> },
@@ -70,6 +73,8 @@ pub(super) struct WorldTask {
     /// Names of the views that there were when anybody looked last.
     views: BTreeSet<String>,
     received_us: u64,
+    /// When the world took the newest message, until a snapshot shows it.
+    applied_us: Option<u64>,
     /// Up to when the wall clock has been followed.
     followed: Instant,
     /// When the newest free-running snapshot was taken.
@@ -91,7 +96,7 @@ impl WorldTask {
         shutter_s: Option<f64>,
     ) -> Self {
         let (followed, drawn) = (Instant::now(), Instant::now());
-        let (lockstep, views, received_us, intervals_s) = (None, BTreeSet::new(), 0, VecDeque::new());
+        let (lockstep, views, intervals_s) = (None, BTreeSet::new(), VecDeque::new());
         Self {
             world,
             inbox,
@@ -103,7 +108,8 @@ impl WorldTask {
             shutter_s,
             lockstep,
             views,
-            received_us,
+            received_us: 0,
+            applied_us: None,
             followed,
             drawn,
             intervals_s,
@@ -162,9 +168,17 @@ impl WorldTask {
                 let result = self.apply(command);
                 self.grow();
                 if result.is_ok() {
-                    self.received_us = received_us;
+                    self.taken(received_us);
                 }
                 let _gone = reply.send(result);
+            }
+            Request::ApplyAll { commands, received_us, reply } => {
+                let results: Vec<_> = commands.into_iter().map(|command| self.apply(command)).collect();
+                self.grow();
+                if results.iter().any(Result::is_ok) {
+                    self.taken(received_us);
+                }
+                let _gone = reply.send(results);
             }
             Request::Step { client, to_s, answer, reply } => {
                 let _gone = reply.send(self.step(client, to_s, answer));
@@ -183,6 +197,12 @@ impl WorldTask {
                 let _gone = reply.send(State { snapshot, player: self.player(), lockstep: self.lockstep.is_some() });
             }
         }
+    }
+
+    /// The world has taken something that was read at this time.
+    fn taken(&mut self, received_us: u64) {
+        self.received_us = received_us;
+        self.applied_us = Some(self.metrics.now_us());
     }
 
     fn apply(&mut self, command: Command) -> Result<Applied, Refused> {
@@ -235,7 +255,8 @@ impl WorldTask {
         let shutter_s = self.free_shutter_s();
         let snapshot = self.world.snapshot_at_once(shutter_s);
         self.grow();
-        self.inbox.post(self.posted(snapshot));
+        let posted = self.posted(snapshot);
+        self.inbox.post(posted);
     }
 
     fn step(&mut self, client: ClientId, to_s: f64, answer: StepAnswer) -> Result<(), Refused> {
@@ -269,13 +290,17 @@ impl WorldTask {
         let shutter_s = self.shutter_s.unwrap_or(shutter_s).clamp(limits::SHUTTER_S.min, limits::SHUTTER_S.max);
         // Waits for the channels that its flashes show.
         let snapshot = self.world.snapshot(shutter_s);
-        self.inbox.push_step(self.posted(snapshot), guard);
+        let posted = self.posted(snapshot);
+        self.inbox.push_step(posted, guard);
         Ok(())
     }
 
-    fn posted(&self, snapshot: Snapshot) -> Posted {
-        let snapshot = Arc::new(snapshot);
-        Posted { snapshot, received_us: self.received_us, snapshot_us: self.metrics.now_us() }
+    fn posted(&mut self, snapshot: Snapshot) -> Posted {
+        let (snapshot, snapshot_us) = (Arc::new(snapshot), self.metrics.now_us());
+        if let Some(applied_us) = self.applied_us.take() {
+            self.metrics.stages.add_us(Stage::Wait, snapshot_us.saturating_sub(applied_us));
+        }
+        Posted { snapshot, received_us: self.received_us, snapshot_us }
     }
 
     /// Has the channels of new flashes grown beside the world and the renderer.

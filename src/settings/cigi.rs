@@ -34,6 +34,8 @@ pub struct CigiSettings {
     pub sea_level_m: f64,
     /// Seed of storms.
     pub seed: u64,
+    /// Width and height of the host's pictures.
+    pub size_px: [u32; 2],
 }
 
 /// Byte order of what is sent.
@@ -71,8 +73,18 @@ pub(super) fn from_file(file: &SettingsFile, complain: &mut dyn FnMut(Refused)) 
     for (index, text) in allow.iter().enumerate().filter_map(|(index, one)| Some((index, one.as_ref().err()?))) {
         wrong(format!("cigi_allow[{index}]"), text, "as 192.168.1.20");
     }
+    let listen = listen?.ok()?;
+    if !listen.ip().is_loopback() && file.cigi_host.is_none() && file.cigi_allow.is_empty() {
+        let limit = "the addresses that may be host, or cigi_host";
+        let why = "beyond this machine whoever speaks first would steer the world";
+        complain(Refused::new("cigi_allow", "not given", limit, why));
+    }
+    if multicast.is_some() && listen.ip().is_loopback() {
+        let why = "what is sent to a group does not come to an address of this machine alone";
+        complain(Refused::new("cigi_listen", listen, "as 0.0.0.0:8004 where there is a group", why));
+    }
     Some(CigiSettings {
-        listen: listen?.ok()?,
+        listen,
         host: host.and_then(Result::ok),
         reply_port: file.cigi_reply_port,
         allow: allow.into_iter().filter_map(Result::ok).collect(),
@@ -87,6 +99,7 @@ pub(super) fn from_file(file: &SettingsFile, complain: &mut dyn FnMut(Refused)) 
         host_chooses_database: file.cigi_host_chooses_database,
         sea_level_m: file.cigi_sea_level_m,
         seed: file.cigi_seed.into(),
+        size_px: file.cigi_size_px,
     })
 }
 
@@ -114,6 +127,22 @@ mod tests {
     }
 
     #[test]
+    fn beyond_this_machine_the_settings_say_who_may_be_host() {
+        let complaints = |rest: &str| {
+            let parsed = Settings::parse(&format!(r#"{{"cigi_listen": {rest}}}"#));
+            parsed.err().unwrap_or_default().into_iter().map(|complaint| complaint.path).collect::<Vec<_>>()
+        };
+        for open in [r#""0.0.0.0:8004""#, r#""192.168.1.2:8004""#, r#""[::]:8004""#] {
+            assert_eq!(complaints(open), ["cigi_allow"], "{open}");
+            for named in [r#""cigi_allow": ["192.168.1.20"]"#, r#""cigi_host": "192.168.1.20:8005""#] {
+                assert_eq!(complaints(&format!("{open}, {named}")), [""; 0], "{open} {named}");
+            }
+        }
+        assert_eq!(complaints(r#""127.0.0.1:8004""#), [""; 0]);
+        assert_eq!(complaints(r#""127.0.0.1:8004", "cigi_multicast": "239.1.2.3""#), ["cigi_listen"]);
+    }
+
+    #[test]
     fn every_field_of_the_port_reaches_it() {
         let other = [
             r#""cigi_host": "192.168.1.2:9""#,
@@ -127,9 +156,12 @@ mod tests {
             r#""cigi_host_chooses_database": true"#,
             r#""cigi_sea_level_m": 48.5"#,
             r#""cigi_seed": 7"#,
+            r#""cigi_size_px": [1920, 1080]"#,
         ];
-        let parse =
-            |more: &str| Settings::parse(&format!(r#"{{"cigi_listen": "127.0.0.1:0"{more}}}"#)).expect(more).cigi;
+        let parse = |more: &str| {
+            let allow = if more.contains("cigi_allow") { "" } else { r#", "cigi_allow": ["192.168.1.1"]"# };
+            Settings::parse(&format!(r#"{{"cigi_listen": "0.0.0.0:0"{allow}{more}}}"#)).expect(more).cigi
+        };
         let usual = parse("");
         for more in other {
             assert_ne!(parse(&format!(", {more}")), usual, "{more}");

@@ -39,7 +39,7 @@ fn each_field_reaches_the_settings() {
         "queue_commands": 99, "step_memory_mib": 77, "slow_client_s": 2.5, "log": "stormdeck=debug",
         "cigi_listen": "127.0.0.1:8004", "cigi_host": null, "cigi_reply_port": null, "cigi_allow": [], "cigi_multicast": null,
         "cigi_synchronous": true, "cigi_byte_order": "big", "cigi_rate_hz": 50, "cigi_silence_s": 1,
-        "cigi_host_chooses_database": true, "cigi_sea_level_m": 40, "cigi_seed": 2
+        "cigi_host_chooses_database": true, "cigi_sea_level_m": 40, "cigi_seed": 2, "cigi_size_px": [800, 600]
     });
     let fields = other.as_object().expect("an object");
     assert_eq!(fields.len(), defaults().len(), "each field is tried");

@@ -46,6 +46,10 @@ impl Whole {
 pub const MESSAGE_BYTES: usize = 256 * 1024;
 /// Longest scenario file in bytes.
 pub const SCENARIO_BYTES: usize = 4 * 1024 * 1024;
+/// Longest file of heights in bytes.
+pub const HEIGHT_FILE_BYTES: usize = 512 * 1024 * 1024;
+/// Most heights of a file: 144 MB of memory, and a third more for its coarser forms.
+pub const HEIGHT_SAMPLES: usize = 36_000_000;
 /// Longest settings file in bytes.
 pub const SETTINGS_BYTES: usize = 64 * 1024;
 /// Deepest nesting of lists and objects in any JSON text (an inline scenario's layers stand at depth 6).
@@ -64,6 +68,8 @@ pub const CIGI_MESSAGE_BYTES: usize = 65_507;
 /// Most packets of a CIGI message that is given as JSON; the smallest packet has 8 bytes.
 pub const CIGI_JSON_PACKETS: usize = CIGI_MESSAGE_BYTES / 8;
 
+/// CIGI packets that are taken before the clock is looked at again; the message in which they end is still taken whole.
+pub const CIGI_PACKETS_AT_ONCE: usize = 1_024;
 /// Entities of a CIGI host that are kept.
 pub const CIGI_ENTITIES: usize = 1_024;
 /// Regions of a CIGI host that are kept; the world draws as many as [`world::MAX_REGIONS`].
@@ -149,6 +155,15 @@ pub const REGION_SIZE_M: Range = Range::of(world::REGION_SIZE_M);
 pub const CORNER_RADIUS_M: Range = Range::new(0.0, 1_000_000.0);
 /// Width of the transition around a region.
 pub const REGION_TRANSITION_M: Range = Range::of(world::REGION_TRANSITION_M);
+
+// --- Questions ---
+
+/// Ranges along a line of sight.
+pub const SIGHT_RANGE_M: Range = Range::new(0.0, 1_000_000.0);
+/// Opacity of cloud, 0 (clear) to 1.
+pub const OPACITY: Range = Range::new(0.0, 1.0);
+/// Questions that ask the world (heights, lines of sight, weather at a point) being worked out at once, of all clients.
+pub const QUESTIONS_AT_ONCE: usize = 2;
 
 // --- Time ---
 

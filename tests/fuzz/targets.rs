@@ -2,6 +2,13 @@
 
 use std::collections::BTreeSet;
 use stormdeck::frame::LatencyStamps;
+use stormdeck::report::Bounds;
+use stormdeck::scattering::basis::{Basis, Content, Recipe};
+use stormdeck::scattering::compress::{Packing, Width};
+use stormdeck::scattering::file;
+use stormdeck::scattering::lights::Lights;
+use stormdeck::scattering::medium::Medium;
+use stormdeck::scattering::ordinates::Params;
 use stormdeck::settings::Settings;
 use stormdeck::wire::cigi::scene::{Consequence, Convention, Moment, Scene};
 use stormdeck::wire::cigi::{ByteOrder, Version, decode, decode_packets, encode, json};
@@ -62,6 +69,75 @@ pub const FRAMES: Target = Target {
         Err(error) => words(&error.to_string()),
     },
 };
+
+pub const BOUNDS: Target = Target {
+    name: "files of bounds",
+    corpus: || vec![include_bytes!("../../benches/bounds.json").to_vec()],
+    longest: 8_192,
+    answer: |input| match Bounds::parse(&String::from_utf8_lossy(input)) {
+        Ok(_) => "bounds".to_owned(),
+        Err(why) => words(&why),
+    },
+};
+pub const BASIS: Target = Target { name: "basis files", corpus: || vec![basis()], longest: 16_384, answer: basis_file };
+
+/// A baked basis of two lights in a tiny cloud.
+fn basis() -> Vec<u8> {
+    let medium = Medium { cells: [3, 2, 2], spacing_m: [100.0; 3], extinction_per_m: vec![0.01; 12], periodic: false };
+    let lights = Lights::even([2, 1, 1], medium.size_m(), 2.0, false).expect("lights");
+    let packing = Packing { threshold: 1e-3, width: Width::F16 };
+    let params = Params { rays: 16, ..Params::default() };
+    let recipe = Recipe { medium, params, lights, content: Content::Total, packing };
+    file::write(&Basis::bake(recipe).expect("a basis"))
+}
+
+/// Reads a basis as it is, and once more with checksums that are right again, so that what they guard is reached.
+fn basis_file(input: &[u8]) -> String {
+    let mut said = BTreeSet::new();
+    for bytes in [input.to_vec(), with_checksums(input)] {
+        for torn in [false, true] {
+            match file::scan(&bytes, torn) {
+                Ok(contents) => {
+                    assert!(contents.sound_bytes <= bytes.len());
+                    said.insert(format!("{} blocks", contents.blocks.len()));
+                }
+                Err(error) => {
+                    said.insert(words(&error.to_string()));
+                }
+            }
+        }
+        if let Ok(basis) = file::read(&bytes) {
+            assert_eq!(file::read(&file::write(&basis)).as_ref(), Ok(&basis), "what is read can be written");
+        }
+    }
+    said.into_iter().collect::<Vec<_>>().join("; ")
+}
+
+/// The same bytes with the checksums of the header and of each block put right, as far as their lengths lead.
+fn with_checksums(input: &[u8]) -> Vec<u8> {
+    let mut bytes = input.to_vec();
+    let length = |bytes: &[u8], at: usize| {
+        Some(u32::from_le_bytes(bytes.get(at..at.checked_add(4)?)?.try_into().ok()?) as usize)
+    };
+    // Magic, version, length, body, checksum; then blocks of number, length, checksum and body.
+    let Some(end) = length(&bytes, 12).and_then(|body| body.checked_add(16)) else { return bytes };
+    if end.checked_add(8).is_none_or(|next| next > bytes.len()) {
+        return bytes;
+    }
+    let sum = file::hash(&bytes[16..end], 0);
+    bytes[end..end + 8].copy_from_slice(&sum.to_le_bytes());
+    let mut at = end + 8;
+    while let (Some(light), Some(body)) = (length(&bytes, at), length(&bytes, at + 4)) {
+        let (from, Some(until)) = (at + 16, (at + 16).checked_add(body)) else { break };
+        if until > bytes.len() {
+            break;
+        }
+        let sum = file::hash(&bytes[from..until], light as u64);
+        bytes[at + 8..from].copy_from_slice(&sum.to_le_bytes());
+        at = until;
+    }
+    bytes
+}
 
 /// A frame of 16 x 16 pixels.
 fn frame() -> Vec<u8> {
@@ -143,7 +219,7 @@ fn cigi_message(input: &[u8]) -> String {
 fn cigi_scene(input: &[u8]) -> String {
     let Ok(message) = decode(input) else { return "rejected".to_owned() };
     let mut world = World::new();
-    let mut scene = Scene::new(Convention { sea_level_m: 0.0, seed: 1 });
+    let mut scene = Scene::new(Convention { sea_level_m: 0.0, seed: 1, size_px: [640, 360] });
     let mut said = BTreeSet::new();
     for frame in 0..2 {
         let moment = Moment { host_frame: frame, timestamp: Some(frame * 1_667), extrapolate: true, now_s: 0.0 };

@@ -44,6 +44,7 @@ impl Host {
             host_chooses_database: false,
             sea_level_m: 0.0,
             seed: 1,
+            size_px: [64, 36],
         };
         change(&mut cigi);
         Server::start_with(|settings| settings.cigi = Some(cigi)).await
@@ -127,84 +128,94 @@ async fn counted(server: &Server, name: &str) -> u64 {
 async fn a_session_in_each_version_and_byte_order() {
     for version in Version::ALL {
         for order in ByteOrder::ALL {
-            let mut host = Host::new(version, order).await;
-            let server = host.server(|_| {}).await;
-            let (sof, _) = host.receive().await;
-            assert_eq!((sof.ig_mode, sof.timestamp_valid, sof.database_number), (0, true, 0), "before any message");
-            // In standby nothing but the mode counts.
-            host.send(0, ownship(version, 40.0, 900.0)).await;
-            host.until_mode(0).await;
-            host.send(1, vec![]).await;
-            let sof = host.until_mode(1).await;
-            assert_eq!(sof.major_version, version.numbers()[0]);
-            let mut watcher = server.watcher().await;
-            let state = watcher.ask(json!({"type": "query", "what": "state"})).await;
-            assert_ne!(state["ownship"]["latitude_deg"], 40.0);
-            assert_eq!(state["weather"]["layers"], json!([]), "the scenario made room");
+            let traffic = session(version, order).await;
+            assert!(traffic.len() > 6, "{} datagrams", traffic.len());
+        }
+    }
+}
 
-            let layer = WeatherControl {
-                layer_id: 1,
-                weather_enable: true,
-                cloud_type: 10,
-                coverage: 100.0,
-                base_elevation: 1_000.0,
-                thickness: 500.0,
-                air_temperature: -3.5,
-                ..Default::default()
-            };
-            let mut packets = ownship(version, 46.5, 900.0);
-            packets.push(layer.into());
-            packets.push(
-                HatHotRequest { hat_hot_id: 5, request_type: 2, lat_xoff: 46.0, alt_zoff: 123.5, ..Default::default() }
-                    .into(),
-            );
-            let at = EnvironmentalConditionsRequest {
-                request_type: 12,
-                request_id: 9,
-                latitude: 46.5,
-                longitude: 8.5,
-                altitude: 1_250.0,
-            };
-            packets.push(at.into());
-            host.send(1, packets).await;
-            let mut heights = None;
-            let mut conditions = None;
-            while heights.is_none() || conditions.is_none() {
-                for packet in host.receive().await.1 {
-                    match packet {
-                        Packet::HatHotExtendedResponse(answer) => heights = Some(answer),
-                        Packet::WeatherConditionsResponse(answer) => conditions = Some(answer),
-                        Packet::AerosolConcentrationResponse(answer) => {
-                            assert_eq!((answer.request_id, answer.layer_id), (9, 1))
-                        }
-                        other => panic!("{other:?}"),
-                    }
+#[tokio::test]
+#[cfg_attr(not(tshark_tests), ignore = "no tshark")]
+async fn wireshark_reads_a_session_in_both_directions() {
+    for order in ByteOrder::ALL {
+        let traffic = session(Version::V3, order).await;
+        let same = tshark::compare(&format!("session-{}", order.name()), &traffic);
+        assert!(same > 100, "{same} values compared");
+    }
+}
+
+/// Standby, operation with weather and questions, and standby again. Returns what went to and fro.
+async fn session(version: Version, order: ByteOrder) -> Vec<(Way, Vec<u8>)> {
+    let mut host = Host::new(version, order).await;
+    let server = host.server(|_| {}).await;
+    let (sof, _) = host.receive().await;
+    assert_eq!((sof.ig_mode, sof.timestamp_valid, sof.database_number), (0, true, 0), "before any message");
+    // In standby nothing but the mode counts.
+    host.send(0, ownship(version, 40.0, 900.0)).await;
+    host.until_mode(0).await;
+    host.send(1, vec![]).await;
+    let sof = host.until_mode(1).await;
+    assert_eq!(sof.major_version, version.numbers()[0]);
+    let mut watcher = server.watcher().await;
+    let state = watcher.ask(json!({"type": "query", "what": "state"})).await;
+    assert_ne!(state["ownship"]["latitude_deg"], 40.0);
+    assert_eq!(state["weather"]["layers"], json!([]), "the scenario made room");
+
+    let layer = WeatherControl {
+        layer_id: 1,
+        weather_enable: true,
+        cloud_type: 10,
+        coverage: 100.0,
+        base_elevation: 1_000.0,
+        thickness: 500.0,
+        air_temperature: -3.5,
+        ..Default::default()
+    };
+    let mut packets = ownship(version, 46.5, 900.0);
+    packets.push(layer.into());
+    packets.push(
+        HatHotRequest { hat_hot_id: 5, request_type: 2, lat_xoff: 46.0, alt_zoff: 123.5, ..Default::default() }.into(),
+    );
+    let at = EnvironmentalConditionsRequest {
+        request_type: 12,
+        request_id: 9,
+        latitude: 46.5,
+        longitude: 8.5,
+        altitude: 1_250.0,
+    };
+    packets.push(at.into());
+    host.send(1, packets).await;
+    let mut heights = None;
+    let mut conditions = None;
+    while heights.is_none() || conditions.is_none() {
+        for packet in host.receive().await.1 {
+            match packet {
+                Packet::HatHotExtendedResponse(answer) => heights = Some(answer),
+                Packet::WeatherConditionsResponse(answer) => conditions = Some(answer),
+                Packet::AerosolConcentrationResponse(answer) => {
+                    assert_eq!((answer.request_id, answer.layer_id), (9, 1))
                 }
-            }
-            let (heights, conditions) = (heights.expect("heights"), conditions.expect("conditions"));
-            assert!(
-                heights.valid && heights.hat_hot_id == 5 && (heights.hat - 123.5).abs() < 1e-6 && heights.hot == 0.0
-            );
-            assert_eq!(u32::from(heights.host_frame_number_lsn), host.frame & 0xf);
-            assert_eq!((conditions.request_id, conditions.air_temperature), (9, -3.5));
-            let state = watcher.ask(json!({"type": "query", "what": "state"})).await;
-            assert_eq!(state["ownship"]["latitude_deg"], 46.5);
-            assert_eq!(state["weather"]["layers"][0]["cloud_type"], "stratus");
-            assert_eq!(state["host_frame"], host.frame);
-
-            // Back to standby: everything at its defaults again.
-            host.send(0, vec![]).await;
-            host.until_mode(0).await;
-            let state = watcher.ask(json!({"type": "query", "what": "state"})).await;
-            assert_eq!(state["weather"]["layers"], json!([]));
-            assert_eq!(counted(&server, "rejected").await, 0);
-            server.stop().await;
-            if version == Version::V3 && tshark::there() {
-                let same = tshark::compare(&format!("session-{}", order.name()), &host.traffic);
-                assert!(same > 100, "{same} values compared");
+                other => panic!("{other:?}"),
             }
         }
     }
+    let (heights, conditions) = (heights.expect("heights"), conditions.expect("conditions"));
+    assert!(heights.valid && heights.hat_hot_id == 5 && (heights.hat - 123.5).abs() < 1e-6 && heights.hot == 0.0);
+    assert_eq!(u32::from(heights.host_frame_number_lsn), host.frame & 0xf);
+    assert_eq!((conditions.request_id, conditions.air_temperature), (9, -3.5));
+    let state = watcher.ask(json!({"type": "query", "what": "state"})).await;
+    assert_eq!(state["ownship"]["latitude_deg"], 46.5);
+    assert_eq!(state["weather"]["layers"][0]["cloud_type"], "stratus");
+    assert_eq!(state["host_frame"], host.frame);
+
+    // Back to standby: everything at its defaults again.
+    host.send(0, vec![]).await;
+    host.until_mode(0).await;
+    let state = watcher.ask(json!({"type": "query", "what": "state"})).await;
+    assert_eq!(state["weather"]["layers"], json!([]));
+    assert_eq!(counted(&server, "rejected").await, 0);
+    server.stop().await;
+    host.traffic
 }
 
 #[tokio::test]
@@ -323,5 +334,71 @@ async fn synchronous_frames_are_steps_of_the_world_and_a_silent_host_holds_nothi
         host.receive().await;
     }
     assert!(counted(&server, "missed_frames").await >= 3);
+    server.stop().await;
+}
+
+#[tokio::test]
+async fn a_datagram_of_a_thousand_packets_is_taken_whole() {
+    let mut host = Host::new(Version::V3, ByteOrder::Little).await;
+    let server = host.server(|_| {}).await;
+    host.receive().await;
+    host.send(1, vec![]).await;
+    host.until_mode(1).await;
+    // 62 kB: as many entities as are kept, the ownship among them, and a hundred more.
+    let entity = |entity_id| EntityControl { entity_id, entity_state: 1, lat_xoff: 46.5, ..Default::default() };
+    let most = stormdeck::wire::limits::CIGI_ENTITIES as u16;
+    host.send(1, (0..most + 100).map(|id| entity(id).into()).collect()).await;
+    host.until_mode(1).await;
+    let state = server.watcher().await.ask(json!({"type": "query", "what": "state"})).await;
+    assert_eq!(state["ownship"]["latitude_deg"], 46.5);
+    assert_eq!(counted(&server, "packets").await, u64::from(most) + 100 + 2);
+    assert_eq!(counted(&server, "refused").await, 100);
+    server.stop().await;
+}
+
+#[tokio::test]
+async fn a_host_may_speak_to_a_group() {
+    const GROUP: &str = "239.255.76.83";
+    // The address of ours that speaks to the group.
+    let probe = UdpSocket::bind("0.0.0.0:0").await.unwrap();
+    probe.connect((GROUP, 9)).await.expect("a network that carries groups");
+    let own = probe.local_addr().unwrap().ip();
+    let mut host = Host::new(Version::V4, ByteOrder::Little).await;
+    host.socket = UdpSocket::bind((own, 0)).await.unwrap();
+    let server = host
+        .server(|settings| {
+            settings.listen = "0.0.0.0:0".parse().unwrap();
+            settings.multicast = Some(GROUP.parse().unwrap());
+        })
+        .await;
+    let (sof, _) = host.receive().await;
+    assert_eq!(sof.ig_mode, 0);
+    let port = host.server.expect("known").port();
+    // To the group, and then to the server alone: both are heard.
+    host.server = Some(SocketAddr::new(GROUP.parse().unwrap(), port));
+    host.send(1, vec![]).await;
+    host.until_mode(1).await;
+    host.send(2, vec![]).await;
+    host.until_mode(2).await;
+    server.stop().await;
+}
+
+#[tokio::test]
+async fn watchers_are_told_of_the_air_that_the_host_has_spoken_of() {
+    let mut host = Host::new(Version::V4, ByteOrder::Little).await;
+    let server = host.server(|_| {}).await;
+    host.receive().await;
+    let mut watcher = server.watcher().await;
+    let question = json!({"type": "query", "what": "conditions", "latitude_deg": 46.5, "longitude_deg": 8.5,
+        "altitude_m": 0});
+    assert_eq!(watcher.ask(question.clone()).await["temperature_c"], 15.0, "the standard atmosphere");
+    let cold = AtmosphereControl { global_air_temperature: -20.0, global_humidity: 55, ..Default::default() };
+    host.send(1, vec![cold.into()]).await;
+    host.until_mode(1).await;
+    let told = watcher.ask(question.clone()).await;
+    assert_eq!((&told["temperature_c"], &told["humidity_percent"]), (&json!(-20.0), &json!(55.0)));
+    host.send(0, vec![]).await;
+    host.until_mode(0).await;
+    assert_eq!(watcher.ask(question).await["temperature_c"], 15.0, "reset");
     server.stop().await;
 }

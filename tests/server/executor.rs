@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Condvar, Mutex};
+use std::time::Duration;
 use stormdeck::frame::Pixels;
 use stormdeck::plan::FramePlan;
 use stormdeck::plan::executor::{Executor, Fault, Finished};
@@ -126,7 +127,7 @@ impl Executor for Painter {
             match trouble {
                 Some(Trouble::DeviceLost) => return Err(Fault::DeviceLost("pulled by the test".into())),
                 Some(Trouble::Panic) => panic!("a panic that the test asked for"),
-                _ => finished.push(Finished { ticket, pixels: paint(&plan) }),
+                _ => finished.push(Finished { ticket, pixels: paint(&plan), read_back: Duration::ZERO }),
             }
         }
         Ok(finished)

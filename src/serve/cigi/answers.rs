@@ -1,7 +1,7 @@
-//! Questions of a host and their answers: once or every n-th frame, each a packet for the next Start of Frame.
+//! Answers to a host's questions, each a packet for the next Start of Frame.
 
 use crate::geo::Geodetic;
-use crate::geo::frames::{ecef_from_body, enu};
+use crate::geo::frames::ecef_from_body;
 use crate::geo::wgs84::to_ecef;
 use crate::outputs::air::Air;
 use crate::outputs::conditions::conditions;
@@ -14,82 +14,14 @@ use crate::wire::cigi::packets::{
     LineOfSightVectorRequest, Packet, WeatherConditionsResponse,
 };
 use crate::wire::cigi::scene::Entities;
-use crate::wire::limits::{CIGI_PERIODIC_QUESTIONS, CIGI_QUESTIONS};
+use crate::wire::limits::SIGHT_RANGE_M;
 use crate::world::snapshot::Snapshot;
 use glam::DVec3;
-use std::collections::BTreeMap;
 
 /// `material_mask`: the ground may hide.
 const MASK_GROUND: u32 = 1;
 /// `material_mask`: cloud may hide.
 const MASK_CLOUD: u32 = 4;
-/// Farthest that a line of sight is followed.
-const FARTHEST_M: f64 = 1_000_000.0;
-
-/// What the host wants to know.
-#[derive(Clone, Debug, Default)]
-pub struct Questions {
-    once: Vec<Packet>,
-    /// By kind and the host's number.
-    periodic: BTreeMap<(bool, u16), (Packet, u8)>,
-}
-
-impl Questions {
-    /// Takes a question. One with a period replaces, and one without ends, a periodic one of the same number. False: there are
-    /// too many.
-    pub fn ask(&mut self, question: Packet) -> bool {
-        let (key, period) = match &question {
-            Packet::HatHotRequest(request) => ((false, request.hat_hot_id), request.update_period),
-            Packet::LineOfSightSegmentRequest(request) => ((true, request.los_id), request.update_period),
-            Packet::LineOfSightVectorRequest(request) => ((true, request.los_id), request.update_period),
-            _ => return self.push(question),
-        };
-        if period == 0 {
-            self.periodic.remove(&key);
-            return self.push(question);
-        }
-        if self.periodic.len() >= CIGI_PERIODIC_QUESTIONS && !self.periodic.contains_key(&key) {
-            return false;
-        }
-        self.periodic.insert(key, (question, period));
-        true
-    }
-
-    fn push(&mut self, question: Packet) -> bool {
-        let room = self.once.len() < CIGI_QUESTIONS;
-        if room {
-            self.once.push(question);
-        }
-        room
-    }
-
-    /// The questions that are due with this frame of ours.
-    pub fn due(&mut self, frame: u32, entities: &Entities) -> Vec<Packet> {
-        self.periodic.retain(|_, (question, _)| carrier(question).is_none_or(|id| entities.pose(id).is_some()));
-        let periodic = self.periodic.values().filter(|(_, period)| frame.is_multiple_of(u32::from(*period)));
-        let periodic: Vec<Packet> = periodic.map(|(question, _)| question.clone()).collect();
-        self.once.drain(..).chain(periodic).collect()
-    }
-
-    /// Forgets all.
-    pub fn clear(&mut self) {
-        *self = Self::default();
-    }
-}
-
-/// The entity that a question hangs on: when that is destroyed, a periodic question ends.
-fn carrier(question: &Packet) -> Option<u16> {
-    match question {
-        Packet::HatHotRequest(request) => request.coordinate_system.then_some(request.entity_id),
-        Packet::LineOfSightSegmentRequest(request) => {
-            request.source_point_coordinate_system.then_some(request.source_entity_id)
-        }
-        Packet::LineOfSightVectorRequest(request) => {
-            request.source_point_coordinate_system.then_some(request.entity_id)
-        }
-        _ => None,
-    }
-}
 
 /// What answers depend on.
 pub struct Known {
@@ -170,7 +102,7 @@ impl Known {
         let carrier = if other { request.destination_entity_id } else { request.source_entity_id };
         let destination = [request.destination_lat_xoff, request.destination_lon_yoff, request.destination_alt_zoff];
         let to = self.point(request.destination_point_coordinate_system, carrier, destination);
-        let ray = from.zip(to).map(|(from, to)| Ray::between(from, &to)).filter(|ray| ray.to_m <= FARTHEST_M);
+        let ray = from.zip(to).map(|(from, to)| Ray::between(from, &to)).filter(|ray| ray.to_m <= SIGHT_RANGE_M.max);
         let found = ray.map(|ray| self.follow(ray, request.alpha_threshold, request.material_mask));
         let geodetic = !request.response_coordinate_system;
         let asked = Asked { los_id: request.los_id, segment: true, geodetic, entity: request.source_entity_id };
@@ -184,17 +116,16 @@ impl Known {
         let (nearest, farthest) = (f64::from(request.minimum_range), f64::from(request.maximum_range));
         let sane = nearest >= 0.0 && farthest > nearest && f64::from(request.elevation).abs() <= 90.0;
         let ray = from.filter(|_| sane).and_then(|from| {
+            let ray = Ray::towards(from, azimuth, elevation, nearest, farthest.min(SIGHT_RANGE_M.max));
+            if !request.source_point_coordinate_system {
+                return Some(ray);
+            }
+            let pose = self.entities.pose(request.entity_id)?;
             let level = elevation.cos();
-            let direction = if request.source_point_coordinate_system {
-                let pose = self.entities.pose(request.entity_id)?;
-                // Forward, right, down.
-                let local = DVec3::new(level * azimuth.cos(), level * azimuth.sin(), -elevation.sin());
-                ecef_from_body(&pose.position, &pose.attitude) * local
-            } else {
-                enu(&from) * DVec3::new(level * azimuth.sin(), level * azimuth.cos(), elevation.sin())
-            };
-            let direction = direction.normalize();
-            Some(Ray { from, direction, from_m: nearest, to_m: farthest.min(FARTHEST_M), opaque: None, ground: true })
+            // Forward, right, down.
+            let local = DVec3::new(level * azimuth.cos(), level * azimuth.sin(), -elevation.sin());
+            let direction = (ecef_from_body(&pose.position, &pose.attitude) * local).normalize();
+            Some(Ray { direction, ..ray })
         });
         let found = ray.map(|ray| self.follow(ray, request.alpha_threshold, request.material_mask));
         // A ray that meets nothing has no answer.
@@ -316,3 +247,6 @@ struct Asked {
     geodetic: bool,
     entity: u16,
 }
+
+#[cfg(test)]
+mod tests;

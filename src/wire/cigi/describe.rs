@@ -141,6 +141,7 @@ pub fn tables(version: Version) -> String {
             text.push('\n');
         }
     }
+    text.push_str(&without_effect(version));
     text.push_str("## Packets that are passed over\n\nThey are skipped by their size and counted.\n\n");
     text.push_str("| id | packet | why |\n| --- | --- | --- |\n");
     for other in others::OTHERS {
@@ -158,6 +159,32 @@ pub fn tables(version: Version) -> String {
     };
     let _ = writeln!(text, "| {users} | user-defined | only their owners know what they say |");
     let _ = writeln!(text, "| any other | unknown, or of a later version | skipped, so that the rest still counts |");
+    text
+}
+
+/// All fields that are accepted and have no effect, by packet and reason.
+fn without_effect(version: Version) -> String {
+    let mut text = "## Accepted, and without effect\n\n".to_owned();
+    text.push_str("Once more in one list. A test changes every field of every packet of the host, alone and in place, and finds that ");
+    text.push_str("what is\ndrawn, answered or sent changes with all of them but these.\n\n");
+    text.push_str("| packet | fields | why |\n| --- | --- | --- |\n");
+    for layout in LAYOUTS.iter().filter(|layout| layout.direction == Direction::HostToIg) {
+        let ignored = layout.placed(version).filter_map(|(_, field, _, name)| match field.effect {
+            Effect::Ignored(why) => Some((why, name)),
+            _ => None,
+        });
+        let mut by_reason: Vec<(&str, Vec<&str>)> = Vec::new();
+        for (why, name) in ignored {
+            match by_reason.iter_mut().find(|(reason, _)| *reason == why) {
+                Some((_, names)) => names.push(name),
+                None => by_reason.push((why, vec![name])),
+            }
+        }
+        for (why, names) in by_reason {
+            let _ = writeln!(text, "| {} | `{}` | {why} |", layout.name_in(version), names.join("`, `"));
+        }
+    }
+    text.push('\n');
     text
 }
 

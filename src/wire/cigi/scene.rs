@@ -14,6 +14,7 @@ mod weather;
 pub use entities::Entities;
 pub use storm::Storm;
 pub use strikes::{EVENT_STRIKE_MISSED, EVENT_STRIKE_SHOWN, STRIKE_COMPONENT};
+pub use views::MAIN;
 
 use super::layout::Value;
 use super::packets::{Packet, ViewControl, ViewDefinition};
@@ -33,6 +34,8 @@ pub struct Convention {
     pub sea_level_m: f64,
     /// Seed of storms, and of what a strike does not say.
     pub seed: u64,
+    /// Width and height of the pictures: CIGI has no word for them.
+    pub size_px: [u32; 2],
 }
 
 /// The message's own circumstances.
@@ -83,7 +86,7 @@ impl Scene {
         Self {
             convention,
             entities: Entities::new(convention.sea_level_m),
-            views: Views::default(),
+            views: Views::new(convention.size_px),
             sky: Sky::default(),
             weather: Weather::new(convention),
             muted: BTreeSet::new(),

@@ -6,6 +6,7 @@ mod instant;
 pub mod names;
 pub mod out;
 pub mod ownship;
+pub mod question;
 pub mod region;
 pub mod scenario;
 pub mod session;
@@ -16,6 +17,7 @@ pub mod weather;
 
 pub use decode::{decode, decode_outbound, encode, encode_inbound};
 pub use out::Outbound;
+pub use question::{PointJson, SegmentQuery, VectorQuery};
 pub use session::{Format, Role, WhenSlow};
 
 use crate::world::command::Command;
@@ -89,7 +91,7 @@ pub struct Subscription {
 }
 
 /// A question.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Query {
     /// The state of the world.
     State,
@@ -100,6 +102,14 @@ pub enum Query {
     },
     /// Counters and rates of the server.
     Statistics,
+    /// Height above the ground, and of the ground, at a point.
+    Heights(PointJson),
+    /// What hides one point from another.
+    LineOfSightSegment(SegmentQuery),
+    /// What a ray meets first.
+    LineOfSightVector(VectorQuery),
+    /// The weather at a point.
+    Conditions(PointJson),
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! `hello`, `subscribe`, `unsubscribe`, `step` and `query`: what a client says about itself and asks for.
 
+use super::question::{PointJson, SegmentQuery, VectorQuery};
 use super::{Hello, PROTOCOL, Query, Subscription};
 use crate::wire::limits;
 use crate::world::event::Refused;
@@ -113,6 +114,14 @@ pub enum QueryMessage {
     Plan(PlanQuery),
     /// Counters and rates of the server.
     Statistics(Nothing),
+    /// Height above the ground, and of the ground, at a point.
+    Heights(PointJson),
+    /// What hides one point from another.
+    LineOfSightSegment(SegmentQuery),
+    /// What a ray meets first.
+    LineOfSightVector(VectorQuery),
+    /// The weather at a point.
+    Conditions(PointJson),
 }
 
 /// No more fields.
@@ -179,6 +188,10 @@ impl From<QueryMessage> for Query {
             QueryMessage::State(Nothing {}) => Self::State,
             QueryMessage::Plan(PlanQuery { view }) => Self::Plan { view },
             QueryMessage::Statistics(Nothing {}) => Self::Statistics,
+            QueryMessage::Heights(point) => Self::Heights(point),
+            QueryMessage::LineOfSightSegment(line) => Self::LineOfSightSegment(line),
+            QueryMessage::LineOfSightVector(ray) => Self::LineOfSightVector(ray),
+            QueryMessage::Conditions(point) => Self::Conditions(point),
         }
     }
 }
@@ -189,6 +202,10 @@ impl From<&Query> for QueryMessage {
             Query::State => Self::State(Nothing {}),
             Query::Plan { view } => Self::Plan(PlanQuery { view: view.clone() }),
             Query::Statistics => Self::Statistics(Nothing {}),
+            Query::Heights(point) => Self::Heights(*point),
+            Query::LineOfSightSegment(line) => Self::LineOfSightSegment(*line),
+            Query::LineOfSightVector(ray) => Self::LineOfSightVector(*ray),
+            Query::Conditions(point) => Self::Conditions(*point),
         }
     }
 }

@@ -53,6 +53,14 @@ fn examples() -> Vec<Value> {
         json!({ "type": "query", "what": "state" }),
         json!({ "type": "query", "what": "plan", "view": "main" }),
         json!({ "type": "query", "what": "statistics" }),
+        json!({ "type": "query", "what": "heights", "latitude_deg": 47, "longitude_deg": 8, "altitude_m": 900 }),
+        json!({ "type": "query", "what": "line_of_sight_segment", "ground": false, "cloud": false, "cloud_opacity": 0.25,
+            "from": { "latitude_deg": 47, "longitude_deg": 8, "altitude_m": 900 },
+            "to": { "latitude_deg": 47.1, "longitude_deg": 8.1, "altitude_m": 3000 } }),
+        json!({ "type": "query", "what": "line_of_sight_vector", "ground": false, "cloud": false, "cloud_opacity": 0.25,
+            "from": { "latitude_deg": 47, "longitude_deg": 8, "altitude_m": 900 }, "azimuth_deg": 30,
+            "elevation_deg": 20, "minimum_m": 100, "maximum_m": 50000 }),
+        json!({ "type": "query", "what": "conditions", "latitude_deg": 47, "longitude_deg": 8, "altitude_m": 900 }),
     ]
 }
 

@@ -70,6 +70,10 @@ pub fn numbered() -> Vec<(&'static str, Value)> {
         ("query.state", json!({"type": "query", "what": "state"})),
         ("query.plan", json!({"type": "query", "what": "plan", "view": "main"})),
         ("query.statistics", json!({"type": "query", "what": "statistics"})),
+        ("query.heights", heights()),
+        ("query.line_of_sight_segment", segment()),
+        ("query.line_of_sight_vector", ray()),
+        ("query.conditions", at_a_place("conditions", 47.0, 8.0, 1_000.0)),
     ]
 }
 
@@ -202,6 +206,28 @@ fn pictures() -> Vec<Case> {
     ]
 }
 
+fn at_a_place(what: &str, latitude_deg: f64, longitude_deg: f64, altitude_m: f64) -> Value {
+    json!({"type": "query", "what": what, "latitude_deg": latitude_deg, "longitude_deg": longitude_deg,
+        "altitude_m": altitude_m})
+}
+
+fn heights() -> Value {
+    at_a_place("heights", 47.0, 8.0, 900.0)
+}
+
+/// From above a closed deck of stratus down to the ground.
+fn segment() -> Value {
+    json!({"type": "query", "what": "line_of_sight_segment",
+        "from": {"latitude_deg": 47.0, "longitude_deg": 8.0, "altitude_m": 3000.0},
+        "to": {"latitude_deg": 47.01, "longitude_deg": 8.01, "altitude_m": -100.0}})
+}
+
+/// The same as a ray.
+fn ray() -> Value {
+    json!({"type": "query", "what": "line_of_sight_vector", "azimuth_deg": 30, "elevation_deg": -60, "maximum_m": 9000,
+        "from": {"latitude_deg": 47.0, "longitude_deg": 8.0, "altitude_m": 3000.0}})
+}
+
 fn questions() -> Vec<Case> {
     let plan = json!({"type": "query", "what": "plan", "view": "main"});
     let strike = |east_m: f64| {
@@ -209,10 +235,58 @@ fn questions() -> Vec<Case> {
             "strokes": [{"delay_s": 0, "peak_current_ka": 20, "ground_point_m": [east_m, 0]}]})
     };
     let state = [json!({"type": "query", "what": "state"})];
-    vec![
+    let mut cases = vec![
         case("query.plan.view", &stepping(), plan.clone(), with(&plan, "view", json!("tail")), &[]),
         case("strike.strokes[].ground_point_m", &stepping(), strike(0.0), strike(900.0), &state),
-    ]
+    ];
+    let layer = json!({"cloud_type": "stratus", "base_m": 800, "thickness_m": 500, "coverage": 1});
+    let overcast = [
+        hello(0, "host", "host"),
+        json!({"type": "step", "to_s": 1000}),
+        json!({"type": "weather", "layers": [layer], "visibility_m": 20000}),
+    ];
+    let mut one = |field, plain: Value, path: &str, value: Value| {
+        let mut changed = plain.clone();
+        // A field that was left out is put in.
+        match plain.pointer(path) {
+            Some(_) => *changed.pointer_mut(path).unwrap() = value,
+            None => changed[&path[1..]] = value,
+        }
+        cases.push(case(field, &overcast, plain, changed, &[]));
+    };
+    one("query.heights.latitude_deg", heights(), "/latitude_deg", json!(46.5));
+    one("query.heights.longitude_deg", heights(), "/longitude_deg", json!(8.5));
+    one("query.heights.altitude_m", heights(), "/altitude_m", json!(901));
+    // Without cloud the line ends at the ground.
+    let mut down = segment();
+    down["cloud"] = json!(false);
+    one("query.line_of_sight_segment.from.latitude_deg", down.clone(), "/from/latitude_deg", json!(47.1));
+    one("query.line_of_sight_segment.from.longitude_deg", down.clone(), "/from/longitude_deg", json!(8.1));
+    one("query.line_of_sight_segment.from.altitude_m", down.clone(), "/from/altitude_m", json!(2900));
+    one("query.line_of_sight_segment.to.latitude_deg", down.clone(), "/to/latitude_deg", json!(47.1));
+    one("query.line_of_sight_segment.to.longitude_deg", down.clone(), "/to/longitude_deg", json!(8.1));
+    one("query.line_of_sight_segment.to.altitude_m", down.clone(), "/to/altitude_m", json!(-200));
+    one("query.line_of_sight_segment.ground", down, "/ground", json!(false));
+    one("query.line_of_sight_segment.cloud", segment(), "/cloud", json!(false));
+    one("query.line_of_sight_segment.cloud_opacity", segment(), "/cloud_opacity", json!(0.9));
+    let mut down = ray();
+    down["cloud"] = json!(false);
+    one("query.line_of_sight_vector.from.latitude_deg", down.clone(), "/from/latitude_deg", json!(47.1));
+    one("query.line_of_sight_vector.from.longitude_deg", down.clone(), "/from/longitude_deg", json!(8.1));
+    one("query.line_of_sight_vector.from.altitude_m", down.clone(), "/from/altitude_m", json!(2900));
+    one("query.line_of_sight_vector.azimuth_deg", down.clone(), "/azimuth_deg", json!(40));
+    one("query.line_of_sight_vector.elevation_deg", down.clone(), "/elevation_deg", json!(-70));
+    one("query.line_of_sight_vector.minimum_m", down.clone(), "/minimum_m", json!(5000));
+    one("query.line_of_sight_vector.maximum_m", down.clone(), "/maximum_m", json!(1000));
+    one("query.line_of_sight_vector.ground", down, "/ground", json!(false));
+    one("query.line_of_sight_vector.cloud", ray(), "/cloud", json!(false));
+    one("query.line_of_sight_vector.cloud_opacity", ray(), "/cloud_opacity", json!(0.9));
+    // Inside the deck, whose density differs from place to place.
+    let there = at_a_place("conditions", 47.0, 8.0, 1_000.0);
+    one("query.conditions.latitude_deg", there.clone(), "/latitude_deg", json!(47.003));
+    one("query.conditions.longitude_deg", there.clone(), "/longitude_deg", json!(8.003));
+    one("query.conditions.altitude_m", there, "/altitude_m", json!(500));
+    cases
 }
 
 fn scenarios() -> Vec<Case> {

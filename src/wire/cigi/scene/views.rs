@@ -9,12 +9,15 @@ use crate::world::event::Refused;
 use crate::world::limits::MAX_VIEWS;
 use std::collections::{BTreeMap, BTreeSet};
 
+/// The view that every world begins with.
+pub const MAIN: &str = "main";
 /// Half-angles of a view of which nothing was said: 60 degrees across, at 16 by 9.
 const DEFAULT: Frustum = Frustum { left_deg: -30.0, right_deg: 30.0, top_deg: 17.998, bottom_deg: -17.998 };
 
 /// All views.
 #[derive(Clone, Debug)]
 pub struct Views {
+    size_px: [u32; 2],
     known: BTreeMap<u16, View>,
     /// What was said to a group, for views that join it later.
     groups: BTreeMap<u8, View>,
@@ -34,15 +37,14 @@ struct View {
     mirror: [bool; 2],
 }
 
-impl Default for Views {
-    fn default() -> Self {
+impl Views {
+    /// Nothing said of any; their pictures have this size.
+    pub fn new(size_px: [u32; 2]) -> Self {
         // The world begins with its view "main".
         let main = View { made: true, ..View::default() };
-        Self { known: BTreeMap::from([(0, main)]), groups: BTreeMap::new(), changed: BTreeSet::new() }
+        Self { size_px, known: BTreeMap::from([(0, main)]), groups: BTreeMap::new(), changed: BTreeSet::new() }
     }
-}
 
-impl Views {
     /// View Control, of a view or of a group.
     ///
     /// # Errors
@@ -127,7 +129,8 @@ impl Views {
             let [yaw_deg, pitch_deg, roll_deg] = view.turn_deg.map(Some);
             commands.push(Command::View(ViewEdit {
                 action,
-                name: if id == 0 { "main".to_owned() } else { format!("view-{id}") },
+                name: if id == 0 { MAIN.to_owned() } else { format!("view-{id}") },
+                size_px: Some(self.size_px),
                 offset_m: Some(view.offset_m),
                 yaw_deg,
                 pitch_deg,

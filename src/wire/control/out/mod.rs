@@ -1,9 +1,11 @@
 //! What the server says: answers, events and telemetry as JSON texts.
 
+mod answer;
 mod event;
 mod state;
 mod statistics;
 
+pub use answer::{AerosolOut, ConditionsMessage, HeightsMessage, HiderName, SightMessage};
 pub use event::EventMessage;
 pub use state::{FlashOut, LayerOut, OwnshipOut, Player, RegionOut, SkyOut, StateMessage, ViewOut, WeatherOut};
 pub use statistics::{DelayStatistics, Statistics, SubscriptionStatistics, Telemetry, ViewStatistics};
@@ -32,6 +34,12 @@ pub enum Outbound {
     Plan(PlanMessage),
     /// Answers `query` for statistics.
     Statistics(Statistics),
+    /// Answers `query` for heights.
+    Heights(HeightsMessage),
+    /// Answers `query` for a line of sight, segment or vector.
+    LineOfSight(SightMessage),
+    /// Answers `query` for the weather at a point.
+    Conditions(ConditionsMessage),
     /// A lockstep step is done: every subscriber's copy of its frames has been written.
     Stepped(Stepped),
     /// Told about once a second to every client that subscribed to anything.
