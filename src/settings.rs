@@ -6,7 +6,7 @@ mod scenarios;
 pub use cigi::{ByteOrderChoice, CigiSettings};
 pub use scenarios::{BUILT_IN_SCENARIOS, built_in, text_of};
 
-use crate::wire::control::names::DeckFormName;
+use crate::wire::control::names::{DeckFormName, LightEncodingName};
 use crate::wire::json::{self, Complaint, Node, Problem, Rule, Size};
 use crate::wire::{limits, schema};
 use crate::world::event::Refused;
@@ -45,6 +45,8 @@ pub struct Settings {
     pub deck_scale: u32,
     /// How a GPU draws the deck.
     pub deck_form: DeckFormName,
+    /// How the light inside the deck is stored.
+    pub light_encoding: LightEncodingName,
     /// Ratio between the radii of neighbouring billboard rings, above 1.
     pub ring_ratio: f64,
     /// Quality of JPEGs where nobody asks for another, 1 to 100.
@@ -115,6 +117,9 @@ struct SettingsFile {
     deck_scale: u32,
     /// How a GPU draws the deck: the forms differ in cost, not in what they show.
     deck_form: DeckFormName,
+    /// How the light inside the deck is stored: four shares in 8 bits or in f16, or its mean and flux vector, in f16 or (as in
+    /// the deck paper) in 8 bits.
+    light_encoding: LightEncodingName,
     /// Ratio between the radii of neighbouring billboard rings.
     #[schemars(range(min = limits::RING_RATIO.min, max = limits::RING_RATIO.max))]
     ring_ratio: f64,
@@ -223,6 +228,7 @@ impl Settings {
             ring_ratio: self.ring_ratio,
             deck_scale: self.deck_scale,
             deck_form: self.deck_form.into(),
+            light_encoding: self.light_encoding.into(),
         }
     }
 
@@ -266,6 +272,7 @@ impl Settings {
             slices: file.slices,
             deck_scale: file.deck_scale,
             deck_form: file.deck_form,
+            light_encoding: file.light_encoding,
             ring_ratio: file.ring_ratio,
             jpeg_quality: file.jpeg_quality,
             scenario: file.scenario,

@@ -26,7 +26,7 @@ pub struct Threshold {
     pub patchiness: f32,
     /// Added to it.
     pub offset: f32,
-    /// Mean theta of the places that have cloud: what the light volume is computed with.
+    /// Mean theta of the places that have cloud: what a basis of lightning is baked with.
     pub typical: f32,
 }
 

@@ -30,15 +30,28 @@ pub struct Scene<'a> {
 }
 
 /// The layers of a plan, in its order.
-pub fn decks(gpu: &Gpu, pipelines: &Pipelines, resident: &mut Resident, plan: &FramePlan) -> Vec<Deck> {
+/// `shades`: for each the map of its shade, where higher layers shade it.
+pub fn decks(
+    gpu: &Gpu,
+    pipelines: &Pipelines,
+    resident: &mut Resident,
+    plan: &FramePlan,
+    shades: &[Option<wgpu::TextureView>],
+) -> Vec<Deck> {
     // Fewer than one picture needs would be made anew for each picture.
     let most = plan.layers.iter().map(|layer| layer.light.len()).sum::<usize>().max(VOLUMES_KEPT);
-    plan.layers.iter().map(|layer| deck(gpu, pipelines, resident, layer, most)).collect()
+    let layers = plan.layers.iter().zip(shades);
+    layers.map(|(layer, shade)| deck(gpu, pipelines, resident, (layer, shade.as_ref()), most)).collect()
 }
 
-fn deck(gpu: &Gpu, pipelines: &Pipelines, resident: &mut Resident, layer: &LayerPlan, most_volumes: usize) -> Deck {
-    let volumes: Vec<_> =
-        layer.light.iter().map(|l| resident.volume(gpu, pipelines, layer.kind, l, most_volumes)).collect();
+fn deck(
+    gpu: &Gpu,
+    pipelines: &Pipelines,
+    resident: &mut Resident,
+    (layer, shade): (&LayerPlan, Option<&wgpu::TextureView>),
+    most_volumes: usize,
+) -> Deck {
+    let volumes: Vec<_> = layer.light.iter().map(|l| resident.volume(gpu, layer.kind, l, most_volumes)).collect();
     let shape = resident.shape(gpu, layer.kind);
     let parameters = gpu.buffer("layer", bytemuck::bytes_of(&layer.layer), wgpu::BufferUsages::STORAGE);
     let volume = |i: usize| wgpu::BindingResource::TextureView(volumes.get(i).unwrap_or(&volumes[0]));
@@ -54,12 +67,15 @@ fn deck(gpu: &Gpu, pipelines: &Pipelines, resident: &mut Resident, layer: &Layer
             wgpu::BindingResource::TextureView(&shape.bounds),
             wgpu::BindingResource::TextureView(&resident.detail),
             wgpu::BindingResource::Sampler(&resident.tiled),
+            wgpu::BindingResource::TextureView(shade.unwrap_or(&resident.nothing)),
         ],
     );
     let variant = DeckVariant {
         several_charts: layer.layer.charts > 1,
         regions: layer.layer.regions > 0,
         flashes: layer.layer.flashes > 0,
+        light: layer.layer.encoding(),
+        shaded: shade.is_some(),
     };
     Deck { variant, group }
 }

@@ -15,7 +15,8 @@ use crate::world::snapshot::DeckForm;
 /// Records and submits a plan, and enters its picture into the ring.
 pub fn submit(executor: &mut GpuExecutor, ticket: u64, plan: &FramePlan) {
     let GpuExecutor { gpu, pipelines, resident, targets, ring } = executor;
-    let decks = decks(gpu, pipelines, resident, plan);
+    let shades = shadow::shades(gpu, resident, plan);
+    let decks = decks(gpu, pipelines, resident, plan, &shades);
     let target = targets.of(gpu, plan);
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     let nothing = resident.nothing.clone();
@@ -23,6 +24,7 @@ pub fn submit(executor: &mut GpuExecutor, ticket: u64, plan: &FramePlan) {
     if !decks.is_empty() {
         let frame = frame_group(gpu, pipelines, resident, plan, &plan.camera.coarser(plan.deck_scale), &nothing);
         let scene = Scene { plan, frame: &frame, decks: &decks, target, nothing: &nothing };
+        shadow::record_shades(gpu, pipelines, resident, &mut encoder, &scene, &shades);
         let image = match plan.deck_form {
             DeckForm::Instanced => {
                 instanced::record(gpu, pipelines, &mut encoder, &scene);

@@ -5,6 +5,7 @@ use super::layouts::{Layouts, pipeline_layout};
 use super::targets::{DEPTH_FORMAT, PICTURE_FORMAT, STROKES_FORMAT};
 use crate::passes::deck::Instance;
 use crate::passes::ground::Ground;
+use crate::passes::light::encoding::Encoding;
 use crate::plan::FramePlan;
 use std::collections::HashMap;
 
@@ -25,7 +26,6 @@ pub fn shaders() -> Vec<(&'static str, String)> {
         with_common("airlight", include_str!("../passes/airlight/airlight.wgsl")),
         ("glow", include_str!("../passes/glow/glow.wgsl").to_string()),
         with_common("cull", include_str!("../passes/cull/cull.wgsl")),
-        ("light", include_str!("../passes/light/light.wgsl").to_string()),
         ("tonemap", include_str!("../passes/tonemap/tonemap.wgsl").to_string()),
     ]
 }
@@ -36,15 +36,20 @@ pub struct DeckVariant {
     pub several_charts: bool,
     pub regions: bool,
     pub flashes: bool,
+    pub light: Encoding,
+    pub shaded: bool,
 }
 
 impl DeckVariant {
-    fn constants(self) -> [(&'static str, f64); 3] {
+    fn constants(self) -> [(&'static str, f64); 5] {
         let flag = |on: bool| f64::from(u8::from(on));
         [
             ("SEVERAL_CHARTS", flag(self.several_charts)),
+            ("SHADED", flag(self.shaded)),
             ("REGIONS", flag(self.regions)),
             ("FLASHES", flag(self.flashes)),
+            // Texels of four bytes and of four f16 are read alike.
+            ("FLUX", if self.light.is_vector() { if self.light.in_bytes() { 2.0 } else { 1.0 } } else { 0.0 }),
         ]
     }
 }
@@ -88,19 +93,17 @@ pub struct Pipelines {
     pub ground_layout: wgpu::BindGroupLayout,
     pub shadow_layout: wgpu::BindGroupLayout,
     pub image_layout: wgpu::BindGroupLayout,
-    pub light_layout: wgpu::BindGroupLayout,
     pub march_layout: wgpu::BindGroupLayout,
     pub sky: wgpu::RenderPipeline,
     pub cull: wgpu::RenderPipeline,
     pub tonemap: wgpu::RenderPipeline,
-    pub light_down: wgpu::ComputePipeline,
-    pub light_up: wgpu::ComputePipeline,
     ground_module: wgpu::ShaderModule,
     ground_pipeline_layout: wgpu::PipelineLayout,
     ground: HashMap<GroundVariant, wgpu::RenderPipeline>,
     shadow_module: wgpu::ShaderModule,
     shadow_pipeline_layout: wgpu::PipelineLayout,
     shadow: HashMap<DeckVariant, wgpu::RenderPipeline>,
+    shade: HashMap<DeckVariant, wgpu::RenderPipeline>,
     deck_module: wgpu::ShaderModule,
     deck_pipeline_layout: wgpu::PipelineLayout,
     deck: HashMap<DeckVariant, wgpu::RenderPipeline>,
@@ -140,9 +143,6 @@ impl Pipelines {
         let sky_layout = pipeline_layout(gpu, &[Some(&layouts.frame)]);
         let cull_layout = pipeline_layout(gpu, &[None, Some(&layouts.image)]);
         let tonemap_layout = pipeline_layout(gpu, &[Some(&layouts.image)]);
-        let light_layout = pipeline_layout(gpu, &[Some(&layouts.light)]);
-        let light_module = module("light");
-        let light = |entry: &str| compute(gpu, entry, &light_module, &light_layout, Default::default());
         let opaque = wgpu::ColorTargetState { format: PICTURE_FORMAT, blend: None, write_mask: wgpu::ColorWrites::ALL };
         let single = wgpu::ColorTargetState { format: STROKES_FORMAT, blend: None, write_mask: wgpu::ColorWrites::ALL };
         let strokes_layout = pipeline_layout(gpu, &[Some(&layouts.frame), Some(&layouts.strokes)]);
@@ -167,14 +167,13 @@ impl Pipelines {
             ground: HashMap::new(),
             cull: render(gpu, "cull", &module("cull"), &cull_layout, None, Some(marked()), &[]),
             tonemap: render(gpu, "tonemap", &module("tonemap"), &tonemap_layout, Some(opaque), None, &[]),
-            light_down: light("light_down"),
-            light_up: light("light_up"),
             shadow_module: module("shadow"),
             shadow_pipeline_layout: pipeline_layout(
                 gpu,
                 &[Some(&layouts.frame), Some(&layouts.deck), Some(&layouts.shadow)],
             ),
             shadow: HashMap::new(),
+            shade: HashMap::new(),
             deck_module: module("deck"),
             deck_pipeline_layout: pipeline_layout(
                 gpu,
@@ -193,7 +192,6 @@ impl Pipelines {
             ground_layout: layouts.ground,
             shadow_layout: layouts.shadow,
             image_layout: layouts.image,
-            light_layout: layouts.light,
             march_layout: layouts.march,
             nodes_layout: layouts.nodes,
             strokes_layout: layouts.strokes,
@@ -223,12 +221,22 @@ impl Pipelines {
 
     /// The shadow pipeline for what a layer needs.
     pub fn shadow(&mut self, gpu: &Gpu, variant: DeckVariant) -> &wgpu::RenderPipeline {
-        // Flashes cast no shadow.
-        let variant = DeckVariant { flashes: false, ..variant };
+        // Flashes cast no shadow, nor does it matter how the layer is lit.
+        let variant = DeckVariant { flashes: false, light: Encoding::Shares8, shaded: false, ..variant };
         self.shadow.entry(variant).or_insert_with(|| {
             let target = Some(multiplied(super::shadow::FORMAT));
             let constants = variant.constants();
             render(gpu, "shadow", &self.shadow_module, &self.shadow_pipeline_layout, target, None, &constants)
+        })
+    }
+
+    /// The same for the shade on a lower layer.
+    pub fn shade(&mut self, gpu: &Gpu, variant: DeckVariant) -> &wgpu::RenderPipeline {
+        let variant = DeckVariant { flashes: false, light: Encoding::Shares8, shaded: false, ..variant };
+        self.shade.entry(variant).or_insert_with(|| {
+            let target = Some(multiplied(super::shadow::FORMAT));
+            let constants = variant.constants();
+            render(gpu, "shade", &self.shadow_module, &self.shadow_pipeline_layout, target, None, &constants)
         })
     }
 

@@ -2,18 +2,18 @@
 
 use super::device::Gpu;
 use super::light;
-use super::pipelines::Pipelines;
-use super::textures::filled;
+use super::textures::{empty, filled};
 use crate::clouds::density::{self, DensityVolume};
 use crate::clouds::{CloudKind, detail, modulation};
 use crate::passes::deck::field::{BOUNDS_WIDTH, column_bounds};
 use crate::passes::light::Light;
-use crate::passes::shadow::Columns;
+use crate::passes::light::volume::Volume;
 use crate::passes::shadow::table as columns;
+use crate::passes::shadow::{Columns, shade};
 use crate::passes::sky::table::{self, TableParams};
 use std::collections::VecDeque;
 
-/// Light volumes kept at once (8 MiB each), or as many as one picture needs.
+/// Light volumes kept at once (about 8 MiB each), or as many as one picture needs.
 pub const VOLUMES_KEPT: usize = 16;
 
 /// A genus's shape values and their bounds by column.
@@ -40,8 +40,8 @@ pub struct Resident {
     table: Option<(TableParams, wgpu::TextureView)>,
     shapes: VecDeque<(CloudKind, Shape)>,
     volumes: VecDeque<((CloudKind, Light), wgpu::TextureView)>,
-    scratch: Option<light::Scratch>,
     columns: VecDeque<((CloudKind, Columns), wgpu::TextureView)>,
+    shades: Vec<wgpu::TextureView>,
 }
 
 impl Resident {
@@ -73,8 +73,8 @@ impl Resident {
             table: None,
             shapes: VecDeque::new(),
             volumes: VecDeque::new(),
-            scratch: None,
             columns: VecDeque::new(),
+            shades: Vec::new(),
         }
     }
 
@@ -93,22 +93,11 @@ impl Resident {
         }
     }
 
-    /// The light volume of a genus for these parameters; computed where it is not resident. `most`: how many may stay.
-    pub fn volume(
-        &mut self,
-        gpu: &Gpu,
-        pipelines: &Pipelines,
-        kind: CloudKind,
-        params: &Light,
-        most: usize,
-    ) -> wgpu::TextureView {
+    /// The light volume of a genus for these parameters; made where it is not resident. `most`: how many may stay.
+    pub fn volume(&mut self, gpu: &Gpu, kind: CloudKind, params: &Light, most: usize) -> wgpu::TextureView {
         let key = (kind, *params);
         let found = self.volumes.iter().position(|(k, _)| *k == key).and_then(|at| self.volumes.remove(at));
-        let entry = found.unwrap_or_else(|| {
-            let shape = self.shape(gpu, kind).values;
-            let scratch = self.scratch.get_or_insert_with(|| light::Scratch::new(gpu));
-            (key, light::compute(gpu, pipelines, scratch, &shape, params))
-        });
+        let entry = found.unwrap_or_else(|| (key, light::upload(gpu, &Volume::of(kind, params))));
         let view = entry.1.clone();
         self.volumes.push_front(entry);
         self.volumes.truncate(most);
@@ -127,6 +116,18 @@ impl Resident {
         self.columns.push_front(entry);
         self.columns.truncate(most);
         view
+    }
+
+    /// The map of shade on layer `i` of the picture that is being recorded.
+    pub fn shade(&mut self, gpu: &Gpu, i: usize) -> wgpu::TextureView {
+        use wgpu::TextureUsages as Usage;
+        while self.shades.len() <= i {
+            let size = [shade::WIDTH as u32, shade::WIDTH as u32, 1];
+            let usage = Usage::RENDER_ATTACHMENT | Usage::TEXTURE_BINDING;
+            let image = empty(gpu, "shade", super::shadow::FORMAT, size, usage);
+            self.shades.push(image.create_view(&wgpu::TextureViewDescriptor::default()));
+        }
+        self.shades[i].clone()
     }
 
     /// Shape values and bounds of a genus.

@@ -28,13 +28,6 @@ pub fn volume_byte(data: &[u8], width: usize, height: usize, repeat_z: bool, p: 
     corners.blend(|i| f32::from(data[i])) * (1.0 / 255.0)
 }
 
-/// Trilinear look-up of four bytes in a volume that repeats in x and y and is clamped in z. Answers 0 to 1 each.
-pub fn volume_rgba(data: &[[u8; 4]], width: usize, height: usize, p: [f32; 3]) -> [f32; 4] {
-    let corners = Corners::new(width, height, false, p);
-    let texel = corners.index.map(|i| data[i]);
-    std::array::from_fn(|channel| corners.weigh(|k| f32::from(texel[k][channel])) * (1.0 / 255.0))
-}
-
 struct Corners {
     index: [usize; 8],
     share: [f32; 3],

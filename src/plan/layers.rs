@@ -11,7 +11,9 @@ use crate::passes::common::Chart;
 use crate::passes::deck::field::CLEAR;
 use crate::passes::deck::twin::OPAQUE;
 use crate::passes::deck::{FLASHES, Flash, Layer, REGIONS, Region};
-use crate::passes::light::Light;
+use crate::passes::light::encoding::Encoding;
+use crate::passes::light::grid::corners;
+use crate::passes::light::{Light, Nodes};
 use crate::world::snapshot::{LayerState, Snapshot};
 use glam::{DVec3, Vec2, Vec3};
 
@@ -119,6 +121,7 @@ impl Context<'_> {
         }
         let mut flash = [Flash::default(); FLASHES];
         flash[..self.flashes.len()].copy_from_slice(self.flashes);
+        let nodes = Nodes::around(threshold.offset, threshold.patchiness, look.edge);
         let layer = Layer {
             light_lux: above.direct_lux.into(),
             base_m: state.base_m as f32,
@@ -147,48 +150,46 @@ impl Context<'_> {
             clear_below: CLEAR,
             pad0: 0.0,
             pad1: 0.0,
+            light_low: nodes.theta(0),
+            light_per_theta: 1.0 / nodes.step,
+            light_nodes: nodes.count as f32,
+            light_encoding: quality.light_encoding as u32,
+            shade_height_m: 0.0,
+            shade_near_m: 1.0,
+            shade_span: 0.0,
+            pad2: 0.0,
             chart: charts,
             outline,
             flash,
         };
-        let lights = charts[..near.len()]
-            .iter()
-            .map(|chart| light_params(chart, self.light.source, state, extinction, threshold.typical, look.edge))
-            .collect();
+        let towards: Vec<[f32; 3]> =
+            charts[..near.len()].iter().map(|chart| in_chart(chart, self.light.source)).collect();
+        let lights =
+            towards.iter().map(|towards| light_params(*towards, nodes, &layer, quality.light_encoding)).collect();
         note(
             true,
             format!("{name} covers {:.2} of the sky, {} slices, {} charts", state.coverage, quality.slices, near.len()),
         );
-        Some(LayerPlan { kind: state.kind, slices: quality.slices, layer, light: lights })
+        Some(LayerPlan { kind: state.kind, slices: quality.slices, layer, light: lights, towards, shade: Vec::new() })
     }
 }
 
-/// Parameters of a light volume, rounded so that a volume serves for a while: the direction to a quarter of a degree,
-/// the rest to about one per cent.
-fn light_params(chart: &Chart, source: Vec3, state: &LayerState, extinction: f32, theta: f32, edge: f32) -> Light {
-    let one_per_cent = |v: f32| ((v.ln() * 100.0).round() / 100.0).exp();
-    // The chart's factor turns the eye's axes into the volume's; its length is the chart's scale.
+/// A direction (east, north, up) in the axes of a chart: the chart's factor turns the eye's axes into the volume's, its length
+/// is the chart's scale.
+fn in_chart(chart: &Chart, d: Vec3) -> [f32; 3] {
     let a = Vec2::from(chart.a).normalize_or(Vec2::X);
-    let turned = Vec2::new(a.x * source.x - a.y * source.y, a.x * source.y + a.y * source.x);
-    let step = 0.25f32.to_radians();
-    let elevation = (source.z.clamp(-1.0, 1.0).asin() / step).round() * step;
-    let azimuth = (turned.y.atan2(turned.x) / step).round() * step;
-    // Light below 4 degrees is taken at 4: its path through a whole tile would repeat the tile.
-    let elevation = elevation.max(0.07);
-    let direction = [azimuth.cos() * elevation.cos(), azimuth.sin() * elevation.cos(), elevation.sin()];
-    let voxel_m = density::TILE_M / density::WIDTH as f32;
-    let voxel_height_m = one_per_cent(state.thickness_m as f32) / density::HEIGHT as f32;
-    let shift = voxel_height_m / elevation.tan() / voxel_m;
+    [a.x * d.x - a.y * d.y, a.x * d.y + a.y * d.x, d.z]
+}
+
+/// Parameters of a light volume; thickness and extinction are rounded to about one per cent, so that volumes serve for a while.
+fn light_params(towards: [f32; 3], nodes: Nodes, layer: &Layer, encoding: Encoding) -> Light {
+    let one_per_cent = |v: f32| ((v.ln() * 100.0).round() / 100.0).exp();
     Light {
-        direction,
-        theta: (theta * 128.0).round() / 128.0,
-        voxel_m,
-        voxel_height_m,
-        extinction_per_m: one_per_cent(extinction),
-        inverse_edge: 1.0 / edge,
-        pieces: (shift.ceil() as u32).clamp(1, 8),
-        pad0: 0,
-        pad1: 0,
-        pad2: 0,
+        corners: corners(towards),
+        nodes,
+        voxel_height_m: one_per_cent(layer.thickness_m) / density::HEIGHT as f32,
+        extinction_per_m: one_per_cent(layer.extinction_per_m),
+        inverse_edge: layer.inverse_edge,
+        encoding,
     }
 }

@@ -8,6 +8,7 @@ mod eye;
 mod illuminance;
 mod layers;
 mod regions;
+mod shade;
 mod shadow;
 mod stroke;
 
@@ -62,8 +63,12 @@ pub struct LayerPlan {
     pub slices: u32,
     /// Parameters of the deck pass.
     pub layer: Layer,
-    /// Parameters of the light pass, one for each chart in use; an executor keeps the volumes it has made by these.
+    /// What its light volumes are made from, one for each chart in use; an executor keeps the volumes it has made by these.
     pub light: Vec<Light>,
+    /// Towards the light in the axes of each of these charts (x, y, up).
+    pub towards: Vec<[f32; 3]>,
+    /// Higher layers that shade this one; empty where that is not to be seen.
+    pub shade: Vec<LayerShadow>,
 }
 
 /// One line of the explanation of a plan.
@@ -81,6 +86,15 @@ impl FramePlan {
     /// In which order the layers are walked, near to far along any ray.
     pub fn legs(&self) -> Vec<Leg> {
         legs(&heights(&self.layers), self.camera.eye_m)
+    }
+}
+
+impl FramePlan {
+    /// Tables of columns that its shadows and shades read, at most.
+    pub fn tables(&self) -> usize {
+        let shades = self.layers.iter().flat_map(|layer| &layer.shade);
+        let shadows = self.shadow.iter().flat_map(|shadow| &shadow.casters);
+        shades.chain(shadows).map(|caster| caster.columns.len()).sum()
     }
 }
 
@@ -110,7 +124,8 @@ pub fn plan(snapshot: &Snapshot, view: &ViewState, output: Output) -> FramePlan 
     let regions = regions::near(snapshot, &eye, &mut notes);
     let light = illuminance::Illuminance::new(snapshot, &eye, view, &regions);
     let flashes = layers::flashes(snapshot, &eye, &mut notes);
-    let layers = layers::in_sight(snapshot, &eye, &light, &regions, &flashes, &mut notes);
+    let mut layers = layers::in_sight(snapshot, &eye, &light, &regions, &flashes, &mut notes);
+    shade::cast(&light, &mut layers, &mut notes);
     let deck_scale = deck_scale(snapshot.quality.deck_scale, eye.height_m as f32, &layers, &mut notes);
     let mut camera = light.camera(&eye, view);
     let shadow = shadow::cast(&camera, &light.between_clouds(), &layers, deck_scale, &mut notes);

@@ -19,7 +19,7 @@ pub struct NearRegion<'a> {
     pub weight: f64,
 }
 
-/// Layers of regions that are drawn at once: each keeps up to three light volumes of 8 MiB (16 MiB on a device).
+/// Layers of regions that are drawn at once: each keeps up to three light volumes of about 8 MiB (twice that in f16).
 const LAYERS: usize = 32;
 /// Over this distance before the first region that is not drawn, those that are fade.
 const FADE_M: f64 = 20_000.0;

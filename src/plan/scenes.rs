@@ -49,7 +49,13 @@ pub fn clear_day() -> Snapshot {
         views: vec![view],
         flashes: Vec::new(),
         sky,
-        quality: Quality { slices: 8, deck_scale: 1, ring_ratio: 4.0, deck_form: DeckForm::Auto },
+        quality: Quality {
+            slices: 8,
+            deck_scale: 1,
+            ring_ratio: 4.0,
+            deck_form: DeckForm::Auto,
+            light_encoding: Default::default(),
+        },
     };
     sun(snapshot, 50.0)
 }

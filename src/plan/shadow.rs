@@ -12,7 +12,7 @@ const COARSEST: u32 = 2;
 const LEAST_SHARE: f32 = 2e-3;
 /// Rays tried each way for one that meets the ground.
 const TRIED: u32 = 16;
-/// The ground may lie under a layer's base to this many parts of its thickness: tables are kept by it.
+/// What is shaded may lie above a layer's base by this many parts of its thickness: tables are kept by it.
 const BEGIN_STEPS: f32 = 32.0;
 
 /// The shadows of one picture.
@@ -86,9 +86,15 @@ fn through(weather: usize, layers: &[LayerPlan], casters: &[LayerShadow]) -> f32
 }
 
 fn caster(index: usize, plan: &LayerPlan) -> Option<LayerShadow> {
+    caster_above(index, plan, 0.0)
+}
+
+/// The shadow of a layer on what lies at a height over the sphere, if any of the layer is above that.
+pub fn caster_above(index: usize, plan: &LayerPlan, height_m: f32) -> Option<LayerShadow> {
     let (base_m, thickness_m) = (plan.layer.base_m, plan.layer.thickness_m);
-    let begin = ((-base_m / thickness_m).clamp(0.0, 1.0) * BEGIN_STEPS).round() / BEGIN_STEPS;
-    let columns: Vec<Columns> = plan.light.iter().map(|light| Columns::new(light, begin)).collect();
+    let begin = (((height_m - base_m) / thickness_m).clamp(0.0, 1.0) * BEGIN_STEPS).round() / BEGIN_STEPS;
+    let towards = plan.light.iter().zip(&plan.towards);
+    let columns: Vec<Columns> = towards.map(|(light, towards)| Columns::new(*towards, light, begin)).collect();
     let shadow = columns.first()?.shadow(base_m, thickness_m);
     (begin < 1.0).then_some(LayerShadow { layer: index, shadow, columns })
 }

@@ -6,7 +6,7 @@
 
 use super::shell::{height_m, stretches};
 use crate::passes::common::Camera;
-use crate::passes::deck::field::{light_at, margin, phase, source};
+use crate::passes::deck::field::{light_at, margin, shown, source, view};
 use crate::passes::deck::twin::Prepared;
 use crate::passes::ground;
 use crate::passes::sky::table::Texel;
@@ -113,10 +113,10 @@ fn add(camera: &Camera, layers: &[Prepared], ray: &Ray, (p, t, ds): (DVec3, f64,
         let inside = margin(layer, textures, earth_m, p, height, t as f32) * layer.inverse_edge;
         if inside > 0.0 {
             let own = f64::from(layer.extinction_per_m * inside.min(1.0));
-            let towards_eye = phase(ray.direction.dot(Vec3::from(layer.light_direction)));
             let light = light_at(layer, textures, earth_m, p, height);
+            let shown = shown(layer, textures, earth_m, p, height);
             extinction += own;
-            emitted += own * source(layer, light, towards_eye, p).as_dvec3();
+            emitted += own * source(layer, light, &view(layer, ray.direction), p, shown).as_dvec3();
         }
     }
     if extinction > 0.0 {

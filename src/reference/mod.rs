@@ -11,14 +11,15 @@ use crate::frame::Pixels;
 use crate::passes::deck::field::{Textures, column_bounds};
 use crate::passes::deck::twin::{OPAQUE, Prepared};
 use crate::passes::light::Light;
-use crate::passes::shadow::Columns;
+use crate::passes::light::volume::Volume;
 use crate::passes::shadow::table::{self, Table};
 use crate::passes::shadow::twin::Caster;
+use crate::passes::shadow::{Columns, shade};
 use crate::passes::sky::table::{TableParams, Texel, build};
 use crate::passes::sky::twin as sky;
-use crate::passes::{ground, light, stroke, tonemap};
+use crate::passes::{ground, stroke, tonemap};
 use crate::plan::executor::{Executor, Fault, Finished};
-use crate::plan::{FramePlan, LayerShadow, Output};
+use crate::plan::{FramePlan, LayerPlan, LayerShadow, Output};
 use glam::{Vec3, Vec4};
 use images::Image;
 use rayon::prelude::*;
@@ -26,11 +27,8 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Light volumes kept at once (8 MiB each), or as many as one picture needs.
+/// Light volumes kept at once (about 8 MiB each), or as many as one picture needs.
 const VOLUMES_KEPT: usize = 16;
-
-/// Texels of a light volume.
-type Volume = Vec<[u8; 4]>;
 
 /// Plays plans on the CPU.
 #[derive(Default)]
@@ -65,24 +63,34 @@ impl ReferenceExecutor {
             bounds.push(self.bounds(layer.kind));
             shapes.push(DensityVolume::of(layer.kind));
         }
-        let slices: Vec<Vec<&[[u8; 4]]>> = volumes.iter().map(|v| v.iter().map(|t| t.as_slice()).collect()).collect();
+        let lights: Vec<Vec<&Volume>> = volumes.iter().map(|v| v.iter().map(|volume| &**volume).collect()).collect();
+        let shades: Vec<Option<Vec<f32>>> = plan.layers.iter().map(|layer| self.shade(plan, layer)).collect();
+        let textures = |i: usize| Textures {
+            shape: &shapes[i].shape,
+            lights: &lights[i],
+            bounds: &bounds[i],
+            map: modulation::map(),
+            detail: detail::volume(),
+            shade: shades[i].as_deref(),
+        };
         let layers: Vec<Prepared> = plan
             .layers
             .iter()
             .enumerate()
-            .map(|(i, layer)| {
-                let textures = Textures {
-                    shape: &shapes[i].shape,
-                    lights: &slices[i],
-                    bounds: &bounds[i],
-                    map: modulation::map(),
-                    detail: detail::volume(),
-                };
-                Prepared::new(&layer.layer, layer.slices, textures)
-            })
+            .map(|(i, layer)| Prepared::new(&layer.layer, layer.slices, textures(i)))
             .collect();
-        let shadows = self.shadows(plan);
-        work(&table, &layers, &casters(plan, &shadows))
+        let shadows = plan.shadow.as_ref().map_or(&[][..], |shadow| &shadow.casters);
+        let tables = self.shadows(plan, shadows);
+        work(&table, &layers, &casters(plan, shadows, &tables))
+    }
+
+    /// The map of the shade on a layer.
+    fn shade(&mut self, plan: &FramePlan, layer: &LayerPlan) -> Option<Vec<f32>> {
+        if layer.shade.is_empty() {
+            return None;
+        }
+        let tables = self.shadows(plan, &layer.shade);
+        Some(shade::map(&layer.layer, &casters(plan, &layer.shade, &tables), plan.camera.earth_m))
     }
 
     fn table(&mut self, params: &TableParams) -> Arc<Vec<Texel>> {
@@ -97,13 +105,12 @@ impl ReferenceExecutor {
     }
 
     fn volume(&mut self, kind: CloudKind, params: &Light, most: usize) -> Arc<Volume> {
-        keep(&mut self.volumes, (kind, *params), most, || light::twin::light(params, &DensityVolume::of(kind).shape))
+        keep(&mut self.volumes, (kind, *params), most, || Volume::of(kind, params))
     }
 
-    /// The tables of each layer that casts a shadow.
-    fn shadows(&mut self, plan: &FramePlan) -> Vec<Vec<Arc<Table>>> {
-        let casters = plan.shadow.as_ref().map_or(&[][..], |shadow| &shadow.casters);
-        let most = casters.iter().map(|caster| caster.columns.len()).sum::<usize>().max(VOLUMES_KEPT);
+    /// The tables of layers that cast shadows.
+    fn shadows(&mut self, plan: &FramePlan, casters: &[LayerShadow]) -> Vec<Vec<Arc<Table>>> {
+        let most = plan.tables().max(VOLUMES_KEPT);
         let of = |caster: &LayerShadow| {
             let kind = plan.layers[caster.layer].kind;
             let mut table = |columns: &Columns| {
@@ -203,8 +210,7 @@ impl Scene<'_> {
     }
 }
 
-fn casters<'a>(plan: &'a FramePlan, tables: &'a [Vec<Arc<Table>>]) -> Vec<Caster<'a>> {
-    let casters = plan.shadow.as_ref().map_or(&[][..], |shadow| &shadow.casters);
+fn casters<'a>(plan: &'a FramePlan, casters: &'a [LayerShadow], tables: &'a [Vec<Arc<Table>>]) -> Vec<Caster<'a>> {
     let caster = |(caster, tables): (&'a LayerShadow, &'a Vec<Arc<Table>>)| Caster {
         layer: &plan.layers[caster.layer].layer,
         shadow: caster.shadow,

@@ -1,6 +1,7 @@
 //! Pictures of extreme snapshots are finite; more coverage hides more.
 
 use super::*;
+use crate::passes::light::volume::Texels;
 use crate::plan::plan;
 use crate::plan::scenes::{cumulus_at, extremes, layer, place};
 
@@ -41,9 +42,10 @@ fn the_second_picture_makes_no_light_anew_however_many_layers_there_are() {
 
 /// What the deck of a plan hides, in the mean over the picture. Light does not matter to it.
 fn mean_opacity(plan: &FramePlan) -> f64 {
-    let dark = vec![[0; 4]; crate::clouds::density::WIDTH.pow(2) * crate::clouds::density::HEIGHT];
+    let texels = Texels::Bytes(vec![[0; 4]; crate::passes::light::volume::VOXELS]);
+    let dark = Volume { nodes: 1, texels };
     let table = vec![Texel([half::f16::ZERO; 4]); 2 * crate::passes::sky::table::WIDTH.pow(2)];
-    let lights = [dark.as_slice(); 3];
+    let lights = [&dark; 3];
     let prepared: Vec<_> = plan
         .layers
         .iter()
@@ -62,6 +64,7 @@ fn mean_opacity(plan: &FramePlan) -> f64 {
                 bounds,
                 map: modulation::map(),
                 detail: detail::volume(),
+                shade: None,
             };
             Prepared::new(&layer.layer, layer.slices, textures)
         })

@@ -8,6 +8,7 @@ use crate::clouds::CloudKind;
 use crate::frame::Pixels;
 use crate::numeric::metrics::relative_mse;
 use crate::passes::deck::FLASHES;
+use crate::passes::light::library;
 use crate::plan::{FramePlan, Output};
 use crate::reference::ReferenceExecutor;
 use crate::world::DEFAULT_QUALITY;
@@ -50,7 +51,10 @@ fn cases(run: &mut Run) -> Result<(), Stopped> {
     // Light volumes of the frame before against making them anew.
     let mut executor = ReferenceExecutor::new();
     let (kept, anew) = ("kept from the frame before", "made anew");
-    let (first, new_time_s) = measure(run.pick(2, 5), || ReferenceExecutor::new().draw(&broken));
+    let (first, new_time_s) = measure(run.pick(2, 5), || {
+        library::forget();
+        ReferenceExecutor::new().draw(&broken)
+    });
     executor.draw(&broken);
     let (again, time_s) = measure(runs, || executor.draw(&broken));
     let case = "light volumes and sky table";

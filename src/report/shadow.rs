@@ -97,6 +97,7 @@ impl Sky {
             bounds: &self.bounds,
             map: modulation::map(),
             detail: detail::volume(),
+            shade: None,
         };
         let marched = |steps: u32| -> Vec<f32> {
             points.iter().map(|p| march::through(&self.layer, &textures, EARTH_M, *p, steps)).collect()

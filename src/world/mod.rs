@@ -30,6 +30,7 @@ pub use snapshot::Snapshot;
 pub use timeline::{TimedCommand, Timeline};
 
 use crate::lightning::strike::StrikeChannel;
+use crate::passes::light::encoding::Encoding;
 use command::ScenarioEdit;
 use growing::Growing;
 use player::Player;
@@ -38,7 +39,13 @@ use state::State;
 use std::sync::Arc;
 
 /// The quality of a new world.
-pub const DEFAULT_QUALITY: Quality = Quality { slices: 32, ring_ratio: 4.0, deck_scale: 1, deck_form: DeckForm::Auto };
+pub const DEFAULT_QUALITY: Quality = Quality {
+    slices: 32,
+    ring_ratio: 4.0,
+    deck_scale: 1,
+    deck_form: DeckForm::Auto,
+    light_encoding: Encoding::Shares8,
+};
 
 /// The world.
 #[derive(Clone, Debug)]
@@ -155,6 +162,7 @@ impl World {
         }
         self.quality.deck_scale = quality.deck_scale.clamp(limits::DECK_SCALE[0], limits::DECK_SCALE[1]);
         self.quality.deck_form = quality.deck_form;
+        self.quality.light_encoding = quality.light_encoding;
         self.quality.slices = quality.slices.clamp(limits::SLICES[0], limits::SLICES[1]);
     }
 

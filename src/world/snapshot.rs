@@ -4,6 +4,7 @@ use crate::clouds::CloudKind;
 use crate::geo::{Attitude, Geodetic};
 use crate::lightning::flash::Light;
 use crate::lightning::strike::StrikeChannel;
+use crate::passes::light::encoding::Encoding;
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
 
@@ -181,6 +182,8 @@ pub struct Quality {
     pub deck_form: DeckForm,
     /// Ratio between the radii of neighbouring billboard rings (LOD0), above 1; nearer 1 is finer.
     pub ring_ratio: f64,
+    /// How the light inside the deck is stored.
+    pub light_encoding: Encoding,
 }
 
 /// How a GPU draws the deck: the same layers, with the same result to within rounding.

@@ -406,21 +406,19 @@ fn views_have_defaults_limits_and_a_good_bye() {
 #[test]
 fn quality_is_brought_within_limits() {
     let mut world = World::new();
-    world.set_quality(Quality { slices: 1000, ring_ratio: 0.0, deck_scale: 9, deck_form: DeckForm::Marched });
-    assert_eq!(
-        world.peek(0.0).quality,
-        Quality {
-            slices: limits::SLICES[1],
-            ring_ratio: limits::RING_RATIO[0],
-            deck_scale: 4,
-            deck_form: DeckForm::Marched
-        }
-    );
-    world.set_quality(Quality { slices: 16, ring_ratio: f64::NAN, deck_scale: 2, deck_form: DeckForm::Auto });
-    assert_eq!(
-        world.peek(0.0).quality,
-        Quality { slices: 16, ring_ratio: limits::RING_RATIO[0], deck_scale: 2, deck_form: DeckForm::Auto }
-    );
+    let beyond = Quality {
+        slices: 1000,
+        ring_ratio: 0.0,
+        deck_scale: 9,
+        deck_form: DeckForm::Marched,
+        light_encoding: Encoding::Harmonics,
+    };
+    world.set_quality(beyond);
+    let nearest = Quality { slices: limits::SLICES[1], ring_ratio: limits::RING_RATIO[0], deck_scale: 4, ..beyond };
+    assert_eq!(world.peek(0.0).quality, nearest);
+    let other = Quality { slices: 16, ring_ratio: f64::NAN, deck_scale: 2, ..DEFAULT_QUALITY };
+    world.set_quality(other);
+    assert_eq!(world.peek(0.0).quality, Quality { ring_ratio: limits::RING_RATIO[0], ..other });
     world.apply(Command::Scenario(ScenarioEdit::Load(Arc::new(demo())))).unwrap();
     assert_eq!(world.peek(0.0).quality.slices, 16, "a scenario does not change what may be spent");
 }

@@ -120,7 +120,7 @@ fn deck_fragment(in: Passed) -> @location(0) vec4<f32> {
     if going {
         near = look(direction, at);
     }
-    let along = phase(dot(direction, layer.light_direction));
+    let view = view_of(direction);
     var beyond = clear_reach(near);
     var light = vec3<f32>(0.0);
     var hidden = 0.0;
@@ -132,7 +132,7 @@ fn deck_fragment(in: Passed) -> @location(0) vec4<f32> {
             // A long step that ends inside the cloud went too far: its edge is looked for.
             beyond *= RETREAT;
         } else {
-            let seen = seen_between(direction, along, near, far, at, end);
+            let seen = seen_between(view, near, far, at, end);
             light += seen.light * transmittance;
             hidden += seen.hidden * transmittance;
             transmittance *= 1.0 - seen.alpha;

@@ -2,9 +2,11 @@
 
 use super::{DETAIL_FADE_M, FLASH_CAP_M, Layer, Region};
 use crate::clouds::{density, detail, modulation};
-use crate::passes::common::{chart_weights, smoothstep, stereographic};
-use crate::passes::light::DIFFUSE_RANGE;
-use crate::passes::sampling::{map_repeat, volume_byte, volume_rgba};
+use crate::passes::common::{Chart, chart_weights, smoothstep, stereographic};
+use crate::passes::light::encoding::{Encoding, View, decode};
+use crate::passes::light::volume::Volume;
+use crate::passes::sampling::{map_repeat, volume_byte};
+use crate::passes::shadow::shade;
 use glam::{Vec2, Vec3, Vec4};
 
 /// What a layer's look-ups read.
@@ -13,13 +15,15 @@ pub struct Textures<'a> {
     /// Shape values of the genus.
     pub shape: &'a [u8],
     /// One light volume a chart in use.
-    pub lights: &'a [&'a [[u8; 4]]],
+    pub lights: &'a [&'a Volume],
     /// Upper bounds of the shape value by column (see [`column_bounds`]).
     pub bounds: &'a [u8],
     /// The 2D modulation map.
     pub map: &'a [u8],
     /// The detail volume.
     pub detail: &'a [u8],
+    /// The map of shade by higher layers, where these shade the layer.
+    pub shade: Option<&'a [f32]>,
 }
 
 /// A bound below this need not be followed up by a look: no neighbour within a step is cloud, so that it matters to nobody
@@ -73,30 +77,47 @@ pub fn margin(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_
     found
 }
 
-/// Directional, diffuse, sky and ground light as stored (square roots) at a point of a layer and its height over the sphere.
+/// Light as stored (see `light::encoding`) at a point of a layer and its height over the sphere, for the theta that rules
+/// there.
 pub fn light_at(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_m: f32) -> Vec4 {
     let radius = earth_m + height_m;
     let z = stereographic(p, earth_m, radius);
     let share = (height_m - layer.base_m) / layer.thickness_m;
     let weights = chart_weights(&layer.chart, layer.charts, p + Vec3::new(0.0, 0.0, earth_m), radius);
+    let lowest = layer.theta + region_shift(layer, z) - layer.light_low;
     let mut light = Vec4::ZERO;
     for ((chart, weight), volume) in layer.chart.iter().zip(weights).zip(textures.lights) {
         if weight > 0.0 {
-            let tile = (Vec2::from(chart.tile_origin_m) + chart.displacement(z)) * (1.0 / density::TILE_M);
-            let found = volume_rgba(volume, density::WIDTH, density::HEIGHT, [tile.x, tile.y, share]);
-            light += weight * Vec4::from(found);
+            let moved = chart.displacement(z);
+            let tile = (Vec2::from(chart.tile_origin_m) + moved) * (1.0 / density::TILE_M);
+            let map = Vec2::from(chart.map_origin) + modulation::coordinates(moved);
+            let above = layer.patchiness * map_repeat(textures.map, modulation::WIDTH, map.x, map.y);
+            let node = (lowest + above) * layer.light_per_theta;
+            light += weight * turned(layer.encoding(), volume.sample(tile.into(), share, node), chart);
         }
     }
     light
 }
 
+/// Stored values whose vector lies in the axes of a chart, in the eye's.
+fn turned(encoding: Encoding, stored: Vec4, chart: &Chart) -> Vec4 {
+    if !encoding.is_vector() {
+        return stored;
+    }
+    let middle = if encoding == Encoding::Paper { 0.5 } else { 0.0 };
+    let a = Vec2::from(chart.a).normalize_or(Vec2::X);
+    let (x, y) = (stored.x - middle, stored.y - middle);
+    Vec4::new(middle + a.x * x + a.y * y, middle + a.x * y - a.y * x, stored.z, stored.w)
+}
+
 /// Luminance that a point of cloud sends towards the eye where it is opaque, cd/m2 per colour (the source function).
-pub fn source(layer: &Layer, light: Vec4, phase: f32, p: Vec3) -> Vec3 {
-    let shares = light * light;
-    let per_steradian = DIFFUSE_RANGE * 0.079_577_47;
-    let mut light = Vec3::from(layer.light_lux) * (phase * shares.x + per_steradian * shares.y)
-        + Vec3::from(layer.sky_lux) * (DIFFUSE_RANGE * shares.z)
-        + Vec3::from(layer.ground_lux) * (DIFFUSE_RANGE * shares.w);
+///
+/// `shown`: share of the source's light that higher layers leave (see [`shown`]).
+pub fn source(layer: &Layer, stored: Vec4, view: &View, p: Vec3, shown: f32) -> Vec3 {
+    let lit = decode(layer.encoding(), stored, view);
+    let mut light = Vec3::from(layer.light_lux) * (lit.source * shown)
+        + Vec3::from(layer.sky_lux) * lit.sky
+        + Vec3::from(layer.ground_lux) * lit.ground;
     for flash in &layer.flash[..layer.flashes as usize] {
         // Eq. 21, the distance capped.
         let d2 = (p - Vec3::from(flash.position_m)).length_squared().max(FLASH_CAP_M * FLASH_CAP_M);
@@ -105,14 +126,25 @@ pub fn source(layer: &Layer, light: Vec4, phase: f32, p: Vec3) -> Vec3 {
     light
 }
 
+/// Share of the source's light that higher layers leave at a point.
+pub fn shown(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_m: f32) -> f32 {
+    textures.shade.map_or(1.0, |map| shade::at(layer, map, earth_m, p, height_m))
+}
+
+/// A ray of the picture from the eye as a layer's light sees it.
+pub fn view(layer: &Layer, direction: Vec3) -> View {
+    let light = Vec3::from(layer.light_direction);
+    View { direction, light, lobes: phases(direction.dot(light)) }
+}
+
 /// Cornette-Shanks (eq. 10) as a weighted sum (eq. 9) of a forward and a backward lobe, 1/sr, at the cosine of the
-/// scattering angle. The forward lobe is broad: the peak is in the forward-scattered light already.
-pub fn phase(cos: f32) -> f32 {
+/// scattering angle: for light that comes from the source straight, and a broader lobe for what has been scattered on its way.
+pub fn phases(cos: f32) -> [f32; 2] {
     let lobe = |f: f32| {
         let d = 1.0 + f * f - 2.0 * f * cos;
         1.5 * (1.0 - f * f) / (2.0 + f * f) * (1.0 + cos * cos) / (d * d.sqrt())
     };
-    0.079_577_47 * (0.75 * lobe(0.70) + 0.25 * lobe(-0.25))
+    [0.96 * lobe(0.75) + 0.04 * lobe(-0.20), lobe(0.60)].map(|lobes| 0.079_577_47 * lobes)
 }
 
 /// How much the outlines of the regions raise theta at a stereographic coordinate: 0 inside, 1 (clear) outside.

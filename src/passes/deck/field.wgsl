@@ -40,6 +40,14 @@ struct Layer {
     clear_below: f32,
     pad0: f32,
     pad1: f32,
+    light_low: f32,
+    light_per_theta: f32,
+    light_nodes: f32,
+    light_encoding: u32,
+    shade_height_m: f32,
+    shade_near_m: f32,
+    shade_span: f32,
+    pad2: f32,
     chart: array<Chart, 3>,
     outline: array<Region, 16>,
     flash: array<Flash, 64>,
@@ -49,12 +57,19 @@ struct Layer {
 override SEVERAL_CHARTS: bool = true;
 override REGIONS: bool = true;
 override FLASHES: bool = true;
+override SHADED: bool = true;
+// What the light volumes hold: 0 shares, 1 the flux as a vector, 2 as a vector stored as n/2 + 0.5.
+override FLUX: u32 = 0u;
 
 const TILE_M: f32 = 16000.0;
 const DETAIL_TILE_M: f32 = 1397.0;
 const DETAIL_NEAR_M: f32 = 2500.0;
 const DETAIL_FAR_M: f32 = 9000.0;
-const DIFFUSE_RANGE: f32 = 5.0;
+const LIGHT_RANGE: f32 = 5.0;
+const LIGHT_SLICES: f32 = 32.0;
+const FLUX_FACTOR: f32 = 2.55;
+const LEAST_UP: f32 = 0.07;
+const SHADE_LEAST_SINE: f32 = 0.05;
 const MOST_STEPS: u32 = 96u;
 const MOST_LOOKS: u32 = 192u;
 const STEP_PIXELS: f32 = 3.5;
@@ -74,6 +89,8 @@ const PER_STERADIAN: f32 = 0.07957747;
 @group(1) @binding(5) var bounds: texture_2d<f32>;
 @group(1) @binding(6) var detail: texture_3d<f32>;
 @group(1) @binding(7) var tiled: sampler;
+// The map of shade by higher layers.
+@group(1) @binding(8) var shades: texture_2d<f32>;
 
 fn region_presence(region: Region, z: vec2<f32>) -> f32 {
     let d = z - region.centre_m;
@@ -111,6 +128,30 @@ fn stored_light(chart: u32, at: vec3<f32>) -> vec4<f32> {
         }
     }
     return textureSampleLevel(light0, tiled, at, 0.0);
+}
+
+// The stored light between the two thetas around the one that rules at a place of a chart; vectors in the eye's axes.
+fn chart_light(chart: u32, z: vec2<f32>, share: f32, shift: f32) -> vec4<f32> {
+    let moved = displacement(layer.chart[chart].a, layer.chart[chart].c, z);
+    let tile = tile_at(chart, moved);
+    let theta = layer.theta + raised_at(chart, moved) + shift;
+    let node = clamp((theta - layer.light_low) * layer.light_per_theta, 0.0, layer.light_nodes - 1.0);
+    let low = floor(node);
+    // Volumes of neighbouring thetas lie one above the other: no look reaches from one into the next.
+    let height = clamp(share * LIGHT_SLICES, 0.5, LIGHT_SLICES - 0.5);
+    let scale = 1.0 / (LIGHT_SLICES * layer.light_nodes);
+    var found = stored_light(chart, vec3<f32>(tile, (low * LIGHT_SLICES + height) * scale));
+    if node > low {
+        let next = stored_light(chart, vec3<f32>(tile, ((low + 1.0) * LIGHT_SLICES + height) * scale));
+        found = mix(found, next, node - low);
+    }
+    if FLUX != 0u {
+        let middle = select(0.0, 0.5, FLUX == 2u);
+        let a = normalize(layer.chart[chart].a);
+        let v = found.xy - middle;
+        found = vec4<f32>(middle + a.x * v.x + a.y * v.y, middle + a.x * v.y - a.y * v.x, found.zw);
+    }
+    return found;
 }
 
 fn bound_at(tile: vec2<f32>) -> f32 {
@@ -203,45 +244,98 @@ fn look(direction: vec3<f32>, t: f32) -> f32 {
     return found;
 }
 
-// Directional, diffuse, sky and ground light as stored (square roots) at a point and its height.
+// Light as stored at a point and its height, for the theta that rules there.
 fn light_at(p: vec3<f32>, height: f32) -> vec4<f32> {
     let radius = camera.earth_m + height;
     let z = stereographic(p, radius);
     let share = (height - layer.base_m) / layer.thickness_m;
+    var shift = 0.0;
+    if REGIONS {
+        shift = region_shift(z);
+    }
     var found = vec4<f32>(0.0);
     if SEVERAL_CHARTS {
         let weights = chart_weights((p + vec3<f32>(0.0, 0.0, camera.earth_m)) / radius);
         if weights.x > 0.0 {
-            found += weights.x * light_by(0u, z, share);
+            found += weights.x * chart_light(0u, z, share, shift);
         }
         if weights.y > 0.0 {
-            found += weights.y * light_by(1u, z, share);
+            found += weights.y * chart_light(1u, z, share, shift);
         }
         if weights.z > 0.0 {
-            found += weights.z * light_by(2u, z, share);
+            found += weights.z * chart_light(2u, z, share, shift);
         }
     } else {
-        found = light_by(0u, z, share);
+        found = chart_light(0u, z, share, shift);
     }
     return found;
 }
 
-fn light_by(chart: u32, z: vec2<f32>, share: f32) -> vec4<f32> {
-    return stored_light(chart, vec3<f32>(tile_at(chart, displacement(layer.chart[chart].a, layer.chart[chart].c, z)), share));
+// A ray of the picture as the layer's light sees it: its direction, and the phase functions for light that comes from the
+// source straight and for what has been scattered on its way.
+struct View {
+    direction: vec3<f32>,
+    lobes: vec2<f32>,
 }
 
-fn phase(cosine: f32) -> f32 {
-    let f = vec2<f32>(0.70, -0.25);
+fn view_of(direction: vec3<f32>) -> View {
+    let cosine = dot(direction, layer.light_direction);
+    let f = vec3<f32>(0.75, -0.20, 0.60);
     let d = 1.0 + f * f - 2.0 * f * cosine;
     let lobes = 1.5 * (1.0 - f * f) / (2.0 + f * f) * (1.0 + cosine * cosine) / (d * sqrt(d));
-    return PER_STERADIAN * dot(lobes, vec2<f32>(0.75, 0.25));
+    return View(direction, PER_STERADIAN * vec2<f32>(0.96 * lobes.x + 0.04 * lobes.y, lobes.z));
+}
+
+// What of the light outside is sent towards the eye: from the source, from the sky, from below.
+fn lit(stored: vec4<f32>, view: View) -> vec3<f32> {
+    let mu = max(layer.light_direction.z, LEAST_UP);
+    let up = view.direction.z;
+    var from_source = 0.0;
+    var sky = 0.0;
+    var net = 0.0;
+    if FLUX != 0u {
+        let flux = select(stored.xyz, stored.xyz * 2.0 - 1.0, FLUX == 2u);
+        let mean = select(stored.w, LIGHT_RANGE * stored.w * stored.w, FLUX == 2u);
+        from_source = PER_STERADIAN * max(mean - FLUX_FACTOR * dot(flux, view.direction), 0.0);
+        sky = min(mean * (4.0 / (1.0 + 2.0 * mu)), 4.0);
+        net = min(clamp(-flux.z / mu, 0.0, 1.0), 0.5 * sky);
+    } else {
+        let shares = stored * stored;
+        let beam = shares.x;
+        sky = 4.0 * shares.w;
+        // Lit, but deep below the zenith: a flank.
+        let facing = min(2.0 * beam * (1.0 - shares.w), 1.0);
+        let cosine = mu + (1.0 - mu) * facing;
+        // What leaves the beam in reduced depths: the power 1.25.
+        let flux = cosine * (shares.z - beam * sqrt(sqrt(beam)));
+        let along = up + (dot(view.direction, layer.light_direction) - up) * facing;
+        from_source = beam * mix(view.lobes.y, view.lobes.x, beam)
+            + PER_STERADIAN * max(LIGHT_RANGE * shares.y + FLUX_FACTOR * flux * along, 0.0);
+        net = min(shares.z * ((4.0 / 3.0) / (2.0 / 3.0 + mu)), 0.5 * sky);
+    }
+    let from_above = clamp(sky + FLUX_FACTOR * net * up, 0.0, 4.0);
+    return vec3<f32>(from_source, from_above, 4.0 - from_above);
+}
+
+// Share of the source's light that higher layers leave at a point and its height.
+fn shown(p: vec3<f32>, height: f32) -> f32 {
+    let radius = camera.earth_m + height;
+    let sine = dot(p + vec3<f32>(0.0, 0.0, camera.earth_m), layer.light_direction) / radius;
+    let away = (layer.shade_height_m - height) / max(sine, SHADE_LEAST_SINE);
+    let z = stereographic(p, radius) + layer.light_direction.xy * away;
+    let distance = length(z);
+    let share = log(1.0 + distance / layer.shade_near_m) * layer.shade_span;
+    let place = z * (0.5 * share / max(distance, 1e-3)) + 0.5;
+    return textureSampleLevel(shades, clamped, place, 0.0).r;
 }
 
 // Luminance that a point of cloud sends towards the eye where it is opaque.
-fn source(stored: vec4<f32>, along: f32, p: vec3<f32>) -> vec3<f32> {
-    let shares = stored * stored;
-    var light = layer.light_lux * (along * shares.x + DIFFUSE_RANGE * PER_STERADIAN * shares.y)
-        + DIFFUSE_RANGE * (layer.sky_lux * shares.z + layer.ground_lux * shares.w);
+fn source(stored: vec4<f32>, view: View, p: vec3<f32>, height: f32) -> vec3<f32> {
+    var shares = lit(stored, view);
+    if SHADED {
+        shares.x *= shown(p, height);
+    }
+    var light = layer.light_lux * shares.x + layer.sky_lux * shares.y + layer.ground_lux * shares.z;
     if FLASHES {
         for (var i = 0u; i < layer.flashes; i++) {
             let away = p - layer.flash[i].position_m;
@@ -337,19 +431,18 @@ fn clear_reach(margin: f32) -> f32 {
     return layer.reach_m * max(-margin, 0.0);
 }
 
-// The cloud between two looks at ranges `at` and `end`, which found the margins `near` and `far`; `along` is the phase
-// function for the light's own direction.
-fn seen_between(direction: vec3<f32>, along: f32, near: f32, far: f32, at: f32, end: f32) -> Seen {
+// The cloud between two looks at ranges `at` and `end`, which found the margins `near` and `far`.
+fn seen_between(view: View, near: f32, far: f32, at: f32, end: f32) -> Seen {
     var seen = Seen(vec3<f32>(0.0), 0.0, 0.0);
     let whole = mean_clamped(near * layer.inverse_edge, far * layer.inverse_edge);
     if whole > 0.0 {
         // Between the two ends, each by how deep it lies in the cloud.
         let t = mix(at, end, max(far, 0.0) / (max(near, 0.0) + max(far, 0.0)));
-        let height = height_at(direction.z, t);
-        let p = direction * t + vec3<f32>(0.0, 0.0, camera.eye_m);
+        let height = height_at(view.direction.z, t);
+        let p = view.direction * t + vec3<f32>(0.0, 0.0, camera.eye_m);
         let passed = air_transmittance(height, t);
         seen.alpha = 1.0 - exp(-layer.extinction_per_m * (end - at) * whole);
-        seen.light = source(light_at(p, height), along, p) * (passed * seen.alpha);
+        seen.light = source(light_at(p, height), view, p, height) * (passed * seen.alpha);
         seen.hidden = (1.0 - passed) * seen.alpha;
     }
     return seen;

@@ -12,6 +12,7 @@ pub mod spans;
 pub mod twin;
 
 use crate::passes::common::{CHARTS, Chart};
+use crate::passes::light::encoding::Encoding;
 use bytemuck::{Pod, Zeroable};
 
 /// Regions that may shape a layer at once.
@@ -111,12 +112,35 @@ pub struct Layer {
     pub pad0: f32,
     /// Pads to 16 bytes.
     pub pad1: f32,
+    /// Theta of the light volumes' first node.
+    pub light_low: f32,
+    /// Nodes for each unit of theta.
+    pub light_per_theta: f32,
+    /// Number of nodes.
+    pub light_nodes: f32,
+    /// How light is stored: the place in `Encoding::ALL`.
+    pub light_encoding: u32,
+    /// Height over the sphere at which the map of shade by higher layers lies.
+    pub shade_height_m: f32,
+    /// Distance from its middle at which it is half as fine as there, m.
+    pub shade_near_m: f32,
+    /// 1 over the logarithm that reaches to its rim; 0: no layer shades this one.
+    pub shade_span: f32,
+    /// Pads to 16 bytes.
+    pub pad2: f32,
     /// The charts.
     pub chart: [Chart; CHARTS],
     /// The outlines of the regions.
     pub outline: [Region; REGIONS],
     /// The flashes.
     pub flash: [Flash; FLASHES],
+}
+
+impl Layer {
+    /// How its light is stored.
+    pub fn encoding(&self) -> Encoding {
+        Encoding::ALL.get(self.light_encoding as usize).copied().unwrap_or_default()
+    }
 }
 
 /// One instance of the deck's mesh: a piece of a slab's far shell, of a ring, or of the shell where rays leave the layer.

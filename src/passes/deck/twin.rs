@@ -1,6 +1,6 @@
 //! Twin of `march.wgsl` and `deck.wgsl`: walks the crossings of a ray with slices and rings from near to far.
 
-use super::field::{Textures, light_at, margin, phase, source};
+use super::field::{Textures, light_at, margin, shown, source, view};
 use super::spans::{Heights, Leg};
 use super::{Layer, RING_SHARE, RING_SLICES};
 use crate::clouds::slices::shells;
@@ -199,10 +199,10 @@ impl Ray<'_> {
         let height = self.camera.height_at(self.direction.z, t);
         let alpha = 1.0 - (-layer.extinction_per_m * path_m).exp();
         let p = self.direction * t + Vec3::new(0.0, 0.0, self.camera.eye_m);
-        let phase = phase(self.direction.dot(Vec3::from(layer.light_direction)));
         let passed = self.camera.air_transmittance(height, t);
         let light = light_at(layer, &prepared.textures, self.camera.earth_m, p, height);
-        let seen = source(layer, light, phase, p) * passed + self.air * (1.0 - passed);
+        let shown = shown(layer, &prepared.textures, self.camera.earth_m, p, height);
+        let seen = source(layer, light, &view(layer, self.direction), p, shown) * passed + self.air * (1.0 - passed);
         gathered.luminance += seen * (alpha * gathered.transmittance);
         gathered.transmittance *= 1.0 - alpha;
     }

@@ -8,11 +8,14 @@
 //! *How they become soft.* The table has coarser levels. The sun's disc makes the edge as wide as the distance to the layer
 //! times its diameter; a pixel's footprint on the ground blurs it further. Below a texel (62.5 m) the table is as soft as it is.
 //!
+//! Lower layers are shaded by higher ones in the same way, through a map of their own (see [`shade`]).
+//!
 //! Each layer multiplies what the others have left in an image of its own, which the ground reads. Inside a layer the light
 //! takes a straight path under the theta of its middle; where two charts are cross-faded, so are their shadows.
 
 pub mod march;
 pub mod mean;
+pub mod shade;
 pub mod table;
 pub mod twin;
 
@@ -21,6 +24,7 @@ mod tests;
 
 use crate::clouds::density;
 use crate::passes::light::Light;
+use crate::passes::light::grid::LEAST_UP;
 use bytemuck::{Pod, Zeroable};
 
 /// Angular diameter of sun and moon, rad.
@@ -36,8 +40,16 @@ pub struct Shadow {
     pub theta_low: f32,
     /// 1 over the step of theta from entry to entry.
     pub inverse_step: f32,
+    /// Height over the sphere to which the light is followed from: 0 for the ground, a lower layer's top for its shade.
+    pub at_m: f32,
+    /// Distance at which the map of a shade is half as fine as in its middle, m.
+    pub near_m: f32,
+    /// 1 over the logarithm that reaches to the map's rim.
+    pub span: f32,
     /// Pads to 16 bytes.
     pub pad0: f32,
+    /// Pads to 16 bytes.
+    pub pad1: f32,
 }
 
 /// What a table is made from; equal parameters and one genus give the same bytes. The threshold is not among them, so that
@@ -59,15 +71,23 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// The columns of a light volume (its rounded direction, depth and extinction) above the ground.
-    pub fn new(light: &Light, begin: f32) -> Self {
+    /// The columns of a layer above the ground, for light from a direction in a chart's axes: what its light volume is made
+    /// from, the direction rounded to a quarter of a degree.
+    pub fn new([x, y, up]: [f32; 3], light: &Light, begin: f32) -> Self {
+        let step = 0.25f32.to_radians();
+        let rounded = |angle: f32| (angle / step).round() * step;
+        // Lower light is taken from there: its path through a whole tile would repeat the tile.
+        let elevation = rounded(up.clamp(-1.0, 1.0).asin()).max(LEAST_UP);
+        let azimuth = rounded(y.atan2(x));
+        let direction = [azimuth.cos() * elevation.cos(), azimuth.sin() * elevation.cos(), elevation.sin()];
+        let shift = light.voxel_height_m / elevation.tan() / table::TEXEL_M;
         Self {
-            direction: light.direction,
+            direction,
             begin,
             thickness_m: light.voxel_height_m * density::HEIGHT as f32,
             extinction_per_m: light.extinction_per_m,
             edge: 1.0 / light.inverse_edge,
-            pieces: light.pieces,
+            pieces: (shift.ceil() as u32).clamp(1, 8),
         }
     }
 
@@ -82,7 +102,11 @@ impl Columns {
             height_m: (base_m + thickness_m * self.middle()).max(1.0),
             theta_low: table::theta(0, self.edge),
             inverse_step: 1.0 / (table::theta(1, self.edge) - table::theta(0, self.edge)),
+            at_m: 0.0,
+            near_m: shade::NEAR_M,
+            span: 1.0,
             pad0: 0.0,
+            pad1: 0.0,
         }
     }
 }

@@ -1,10 +1,15 @@
-// What one layer lets through of the light to the ground that each pixel sees. Stands behind field.wgsl. Twin: twin.rs.
+// What one layer lets through of the light: to the ground that each pixel sees, and to the top of a lower layer.
+// Stands behind field.wgsl. Twins: twin.rs, shade.rs.
 
 struct Shadow {
     height_m: f32,
     theta_low: f32,
     inverse_step: f32,
+    at_m: f32,
+    near_m: f32,
+    span: f32,
     pad0: f32,
+    pad1: f32,
 }
 
 const LAYERS: f32 = 8.0;
@@ -12,6 +17,7 @@ const ENTRIES: f32 = 24.0;
 const COARSEST: f32 = 8.0;
 const TEXEL_M: f32 = 62.5;
 const DISC_RAD: f32 = 0.0093;
+const SHADE_WIDTH: f32 = 256.0;
 
 @group(2) @binding(0) var<storage, read> shadow: Shadow;
 @group(2) @binding(1) var columns0: texture_2d_array<f32>;
@@ -44,18 +50,14 @@ fn column(chart: u32, z: vec2<f32>, shift: f32, level: f32) -> f32 {
     return dot(four_thetas(chart, tile, u32(part), level), near);
 }
 
-fn through(direction: vec3<f32>, t: f32) -> f32 {
-    let p = direction * t + vec3<f32>(0.0, 0.0, camera.eye_m);
-    let from_centre = p + vec3<f32>(0.0, 0.0, camera.earth_m);
-    let sine = dot(from_centre, layer.light_direction) / camera.earth_m;
-    if sine <= 0.0 {
+// What the layer lets through to a point at a height, as a mean over a footprint.
+fn through(p: vec3<f32>, height: f32, footprint: f32) -> f32 {
+    let b = dot(p + vec3<f32>(0.0, 0.0, camera.earth_m), layer.light_direction);
+    if b <= 0.0 {
         return 1.0;
     }
-    let pixel = 2.0 * length(camera.up) / camera.height_px;
-    let footprint = t * pixel / sqrt(max(-dot(direction, from_centre) / camera.earth_m, 1e-3));
     // Along the light to the layer's middle.
-    let b = sine * camera.earth_m;
-    let c = shadow.height_m * (2.0 * camera.earth_m + shadow.height_m);
+    let c = (shadow.height_m - height) * (2.0 * camera.earth_m + shadow.height_m + height);
     let distance = c / (b + sqrt(b * b + c));
     let q = p + layer.light_direction * distance;
     let radius = camera.earth_m + shadow.height_m;
@@ -63,6 +65,9 @@ fn through(direction: vec3<f32>, t: f32) -> f32 {
     var shift = 0.0;
     if REGIONS {
         shift = region_shift(z);
+        if shift >= 1.0 {
+            return 1.0;
+        }
     }
     let blur = length(vec2<f32>(distance * DISC_RAD, footprint));
     let level = min(log2(max(blur * (1.0 / TEXEL_M), 1.0)), COARSEST);
@@ -96,7 +101,31 @@ fn shadow_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
     var passed = 1.0;
     // Pixels without ground, and ground that the deck hides, need no shadow.
     if t < FAR && 1.0 - deck_over(at.xy).a >= OPAQUE {
-        passed = through(direction, t);
+        let p = direction * t + vec3<f32>(0.0, 0.0, camera.eye_m);
+        let from_centre = p + vec3<f32>(0.0, 0.0, camera.earth_m);
+        let pixel = 2.0 * length(camera.up) / camera.height_px;
+        let footprint = t * pixel / sqrt(max(-dot(direction, from_centre) / camera.earth_m, 1e-3));
+        passed = through(p, 0.0, footprint);
     }
     return vec4<f32>(passed);
+}
+
+// The map of the shade on a lower layer: what this layer lets through to its top.
+@vertex
+fn shade_vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
+    return covering(index);
+}
+
+@fragment
+fn shade_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+    let place = at.xy * (2.0 / SHADE_WIDTH) - 1.0;
+    let share = length(place);
+    let distance = shadow.near_m * (exp(share / shadow.span) - 1.0);
+    // Stereographic coordinates as a tangent of half the angle at the Earth's centre.
+    let tangent = place * (distance / (max(share, 1e-6) * 2.0 * camera.earth_m));
+    let fall = 2.0 / (1.0 + dot(tangent, tangent));
+    let radius = camera.earth_m + shadow.at_m;
+    let p = vec3<f32>(tangent * (fall * radius), shadow.at_m - radius * fall * dot(tangent, tangent));
+    let texel = (distance + shadow.near_m) * (2.0 / (SHADE_WIDTH * shadow.span));
+    return vec4<f32>(through(p, shadow.at_m, texel));
 }

@@ -35,19 +35,26 @@ impl Caster<'_> {
     /// Share of the light that comes through the layer to a point of the ground (east, north, height over the tangent plane),
     /// as a mean over a footprint; 1 where the ground is turned away from the light.
     pub fn through(&self, earth_m: f32, p: Vec3, footprint_m: f32) -> f32 {
+        self.through_at(earth_m, p, 0.0, footprint_m)
+    }
+
+    /// The same for a point at a height over the sphere, from which the tables begin.
+    pub fn through_at(&self, earth_m: f32, p: Vec3, height_m: f32, footprint_m: f32) -> f32 {
         let light = Vec3::from(self.layer.light_direction);
-        let sine = (p + Vec3::new(0.0, 0.0, earth_m)).dot(light) / earth_m;
-        if sine <= 0.0 {
+        let b = (p + Vec3::new(0.0, 0.0, earth_m)).dot(light);
+        if b <= 0.0 {
             return 1.0;
         }
         // Along the light to the layer's middle.
-        let b = sine * earth_m;
-        let c = self.shadow.height_m * (2.0 * earth_m + self.shadow.height_m);
+        let c = (self.shadow.height_m - height_m) * (2.0 * earth_m + self.shadow.height_m + height_m);
         let distance_m = c / (b + (b * b + c).sqrt());
         let q = p + light * distance_m;
         let radius = earth_m + self.shadow.height_m;
         let z = stereographic(q, earth_m, radius);
         let shift = region_shift(self.layer, z);
+        if shift >= 1.0 {
+            return 1.0;
+        }
         let blur_m = (distance_m * DISC_RAD).hypot(footprint_m);
         let level = (blur_m * (1.0 / TEXEL_M)).max(1.0).log2().min((LEVELS - 1) as f32);
         let weights = chart_weights(&self.layer.chart, self.layer.charts, q + Vec3::new(0.0, 0.0, earth_m), radius);

@@ -45,6 +45,8 @@ pub struct ClearSky<'a> {
 /// The light under one weather.
 #[derive(Clone, Debug)]
 pub struct Column {
+    /// Above all layers.
+    pub top: Level,
     /// Above each layer, by its index.
     pub above: Vec<Level>,
     /// At the eye, were it under this weather.
@@ -74,7 +76,7 @@ impl Column {
             direct_lux: lower(now.direct_lux, clear.ground.direct_lux, top.direct_lux),
             diffuse_lux: lower(now.diffuse_lux, clear.ground.diffuse_lux.max(0.9 * top.diffuse_lux), top.diffuse_lux),
         };
-        Self { above, eye, ground }
+        Self { top, above, eye, ground }
     }
 }
 

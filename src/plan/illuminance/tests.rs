@@ -231,3 +231,45 @@ fn the_mean_of_two_weathers_rules_where_two_regions_overlap() {
     // Sums in f32.
     assert!((ground_lux(&both) / (0.5 * (a + b)) - 1.0).abs() < 1e-5);
 }
+
+/// The light on a cumulus layer of a snapshot: lux per colour, and towards the light.
+fn on_cumulus(snapshot: &Snapshot) -> ([f32; 3], [f32; 3]) {
+    let mut clouded = snapshot.clone();
+    clouded.weather.layers = vec![layer(CloudKind::Cumulus, 1_500.0, 1_000.0)];
+    let plan = plan(&clouded, &clouded.views[0], Output::LinearRgb);
+    (plan.layers[0].layer.light_lux, plan.layers[0].layer.light_direction)
+}
+
+#[test]
+fn the_full_moon_lights_clouds_from_where_it_stands() {
+    let full = moonlit(50.0);
+    let (lux, towards) = on_cumulus(&full);
+    let sine = 50f32.to_radians().sin();
+    assert!((towards[2] - sine).abs() < 1e-3, "{towards:?}");
+    // A full moon at the zenith outside the air gives 0.32 lx at most; the ground has 0.1 to 0.3 lx of it.
+    assert!((0.1..0.35).contains(&lux[1]), "{lux:?}");
+    let mut put_out = full.clone();
+    put_out.sky.moon_shines = false;
+    assert!(on_cumulus(&put_out).0[1] < 1e-3 * lux[1]);
+    let mut half = full;
+    half.sky.moon_lit_fraction = 0.5;
+    let share = on_cumulus(&half).0[1] / lux[1];
+    // Half of the disc gives 2.5 magnitudes less, a tenth of the light (Allen 1973).
+    assert!((0.07..0.12).contains(&share), "{share}");
+}
+
+#[test]
+fn a_low_sun_lights_clouds_red_and_high_ones_longest() {
+    let red = |elevation_deg: f64| {
+        let (lux, _) = on_cumulus(&sunlit(elevation_deg));
+        lux[0] / lux[2]
+    };
+    let along: Vec<f32> = [60.0, 30.0, 10.0, 5.0, 2.0, 0.5].map(red).to_vec();
+    assert!(along.windows(2).all(|w| w[1] > w[0]) && along[0] < 1.5 && along[5] > 3.0, "{along:?}");
+    // Just after sunset at the ground, a cirrus 10 km up still has the sun.
+    let mut dusk = sunlit(-1.5);
+    dusk.weather.layers = vec![layer(CloudKind::Cirrus, 10_000.0, 500.0)];
+    let high = plan(&dusk, &dusk.views[0], Output::LinearRgb).layers[0].layer.light_lux;
+    let low = on_cumulus(&sunlit(-1.5)).0;
+    assert!(high[0] > 5.0 * low[0].max(1.0), "{high:?} {low:?}");
+}

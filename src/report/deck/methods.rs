@@ -6,6 +6,8 @@ use crate::frame::Pixels;
 use crate::gpu::GpuExecutor;
 use crate::passes::deck::field::{Textures, column_bounds};
 use crate::passes::deck::twin::Prepared;
+use crate::passes::light::Nodes;
+use crate::passes::light::encoding::Encoding;
 use crate::plan::executor::Executor;
 use crate::plan::{FramePlan, LayerPlan};
 use crate::reference::{self, ReferenceExecutor};
@@ -31,6 +33,8 @@ enum With {
     Volumes(Vec<(Vec<u8>, Vec<u8>)>),
     /// A modulation map with fewer texels.
     Map(Vec<u8>),
+    /// Light made for thetas at other distances, or for one alone.
+    Thetas(Option<f32>),
 }
 
 impl With {
@@ -89,6 +93,18 @@ pub fn methods(
         let params = [("map_texels", (modulation::WIDTH / divisor) as f64)];
         add("coarser map", &params, base, With::Map(map(divisor)))?;
     }
+    for (name, bits, light_encoding) in [
+        ("light as shares", 8.0, Encoding::Shares8),
+        ("light as shares", 16.0, Encoding::Shares16),
+        ("light as vectors", 8.0, Encoding::Paper),
+        ("light as vectors", 16.0, Encoding::Harmonics),
+    ] {
+        add(name, &[("bits", bits)], Quality { light_encoding, ..base }, With::Reference)?;
+    }
+    for step in if quick { vec![0.24] } else { vec![0.06, 0.12, 0.24] } {
+        add("thetas of light", &[("step", f64::from(step))], base, With::Thetas(Some(step)))?;
+    }
+    add("one theta of light", &[], base, With::Thetas(None))?;
     let forms = [("GPU, instanced", DeckForm::Instanced), ("GPU, marched", DeckForm::Marched)];
     for (name, deck_form) in forms.into_iter().filter(|_| has_gpu) {
         for slices in all(&[32], &[8, 32, 128]) {
@@ -130,6 +146,7 @@ impl Drawer {
         let plan = &method.plan;
         let pixels = match &method.with {
             With::Reference => self.reference.draw(plan),
+            With::Thetas(step) => self.reference.draw(&with_thetas(plan, *step)),
             With::Gpu => by_gpu(self.gpu.as_mut(), plan)?,
             With::Volumes(volumes) => self.with_textures(plan, Other::Volumes(volumes)),
             With::Map(map) => self.with_textures(plan, Other::Map(map)),
@@ -160,6 +177,23 @@ impl Drawer {
             reference::picture(plan, table, &changed, casters)
         })
     }
+}
+
+/// A plan whose light is made for thetas at a distance from each other, or for the one that lies where the cloud that is there
+/// has it in the mean: half of the map's range for the share that is covered.
+pub fn with_thetas(plan: &FramePlan, step: Option<f32>) -> FramePlan {
+    let mut plan = plan.clone();
+    for LayerPlan { layer, light, .. } in &mut plan.layers {
+        let typical = (layer.theta + 0.25 * layer.patchiness).max(0.01);
+        let nodes = match step {
+            Some(step) => Nodes::spaced(layer.theta, layer.patchiness, 1.0 / layer.inverse_edge, step),
+            None => Nodes { first: 1, count: 1, step: typical },
+        };
+        light.iter_mut().for_each(|light| light.nodes = nodes);
+        (layer.light_low, layer.light_per_theta, layer.light_nodes) =
+            (nodes.theta(0), 1.0 / nodes.step, nodes.count as f32);
+    }
+    plan
 }
 
 /// The modulation map with its texels across divided.

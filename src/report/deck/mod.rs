@@ -15,6 +15,7 @@ use super::subject::{Run, Stopped, Subject};
 use super::timing::measure;
 use crate::clouds::CloudKind;
 use crate::numeric::metrics::{PIXELS_PER_DEGREE, flip_map, relative_mse};
+use crate::passes::light::encoding::Encoding;
 use crate::plan::Output;
 use crate::reference::ReferenceExecutor;
 use crate::world::DEFAULT_QUALITY;
@@ -26,7 +27,7 @@ use truth::{Effort, Truth};
 pub const SUBJECT: Subject = Subject {
     name: "deck",
     about: "the cloud deck by day: slices, rings, resolutions and forms against its own model marched in short steps \
-            (f64; light volumes as stored), and against Monte Carlo of the same clouds, sun, sky and ground",
+            (f64; light in f16 for many thetas), and against Monte Carlo of the same clouds, sun, sky and ground",
     measure: cases,
 };
 
@@ -54,7 +55,9 @@ fn case(run: &mut Run, name: &str, eye: EyePoint) -> Result<(), Stopped> {
     let width = plan.size_px[0] as usize;
     let mut executor = ReferenceExecutor::new();
     let effort = run.pick(Effort { stride: 4, paths: 12 }, Effort { stride: 4, paths: 48 });
-    let truth = Truth::new(&mut executor, &plan, effort)?;
+    // The references read light that is finer than any setting stores it.
+    let fine = plan_for(Quality { deck_scale: 1, light_encoding: Encoding::Shares16, ..DEFAULT_QUALITY })?;
+    let truth = Truth::new(&mut executor, &methods::with_thetas(&fine, Some(0.04)), effort)?;
     let true_display = displayed(&truth.picture, plan.camera.exposure);
 
     let own = Case::new(name, "converged").param("step_m", truth::STEP.at_eye_m).time(truth.time_s);

@@ -1,6 +1,7 @@
 //! Words of the protocol for the kinds that the world knows.
 
 use crate::clouds::CloudKind;
+use crate::passes::light::encoding::Encoding;
 use crate::world::command::{FlashKind, Polarity};
 use crate::world::snapshot::DeckForm;
 use schemars::JsonSchema;
@@ -85,5 +86,19 @@ mirrored! {
         Instanced,
         /// One walk a pixel.
         Marched,
+    }
+}
+
+mirrored! {
+    /// How the light inside the deck is stored.
+    LightEncodingName = Encoding {
+        /// Beam, diffuse light, what passes, and skylight, in 8 bits each.
+        Shares8,
+        /// The same in f16.
+        Shares16,
+        /// Mean and flux vector of the source's light, in f16.
+        Harmonics,
+        /// Mean and flux vector in 8 bits, as in the deck paper.
+        Paper,
     }
 }

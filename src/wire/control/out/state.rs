@@ -2,7 +2,7 @@
 
 mod convert;
 
-use super::super::names::{CloudType, DeckFormName, FlashType, PolarityName};
+use super::super::names::{CloudType, DeckFormName, FlashType, LightEncodingName, PolarityName};
 use super::super::view::ExposureJson;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -41,6 +41,8 @@ pub struct StateMessage {
     pub deck_scale: u32,
     /// How a GPU draws the deck.
     pub deck_form: DeckFormName,
+    /// How the light inside the deck is stored.
+    pub light_encoding: LightEncodingName,
     /// Ratio between the radii of neighbouring billboard rings.
     pub ring_ratio: f64,
     /// The scenario player.

@@ -107,6 +107,7 @@ fn every_part_of_a_snapshot_is_in_the_state_message() {
         ("slices", |s| s.quality.slices += 1),
         ("deck scale", |s| s.quality.deck_scale += 1),
         ("deck form", |s| s.quality.deck_form = DeckForm::Instanced),
+        ("light encoding", |s| s.quality.light_encoding = crate::passes::light::encoding::Encoding::Paper),
         ("ring ratio", |s| s.quality.ring_ratio += 0.1),
     ];
     let plain = message(&example());

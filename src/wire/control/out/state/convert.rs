@@ -28,6 +28,7 @@ impl StateMessage {
             slices: snapshot.quality.slices,
             deck_scale: snapshot.quality.deck_scale,
             deck_form: snapshot.quality.deck_form.into(),
+            light_encoding: snapshot.quality.light_encoding.into(),
             ring_ratio: snapshot.quality.ring_ratio,
             player,
         }
