@@ -117,8 +117,7 @@ struct SettingsFile {
     deck_scale: u32,
     /// How a GPU draws the deck: the forms differ in cost, not in what they show.
     deck_form: DeckFormName,
-    /// How the light inside the deck is stored: four shares in 8 bits or in f16, or its mean and flux vector, in f16 or (as in
-    /// the deck paper) in 8 bits.
+    /// How the light inside the deck is stored: the encodings differ in memory and error, not in time.
     light_encoding: LightEncodingName,
     /// Ratio between the radii of neighbouring billboard rings.
     #[schemars(range(min = limits::RING_RATIO.min, max = limits::RING_RATIO.max))]
