@@ -1,7 +1,8 @@
-//! Glow: what an eye or a lens spreads of a light far brighter than the rest, around lightning.
+//! Glow: what a lens spreads of a light far brighter than the rest, around lightning.
 //!
-//! What it is: the point spread function of the eye by the glare equation of CIE 146:2002 (young, little pigmented eye):
-//! 10 / a^3 + 5 / a^2 cd/m2 for one lux at the eye, a degrees away (Spencer et al. 1995 draw glare so). How it is computed: as a
+//! What it is: a point spread function of the shape of the glare equation of CIE 146:2002 (10 / a^3 + 5 / a^2 cd/m2 for one lux
+//! at the eye, a degrees away; Spencer et al. 1995 draw glare so), and of the strength of a good lens: the picture is exposed
+//! as by a camera, and whoever looks at it adds the glare of his own eye. How it is computed: as a
 //! sum of Gaussians, each twice as wide as the one before, weighted by the share of light that the equation has around their width. How it
 //! is stored: a pyramid of images, each half the size; going down each takes the weights 1 3 3 1 of the one before, coming up
 //! it is spread by 3 1 to the one before, so that the light of each level is kept. The share that is spread is taken from the
@@ -27,6 +28,9 @@ pub struct Glow {
 
 /// Levels at most, the picture itself among them.
 pub const MOST_LEVELS: usize = 10;
+/// Strength of the glow against that of a young eye: some per cent of the light in all, as the veiling glare index of good lenses
+/// (ISO 9358); a whole eye's would hide a bolt at night in its own glare.
+const LENS: f32 = 0.15;
 /// Widest part of the glow that is drawn, as a standard deviation in degrees.
 const WIDEST_DEG: f32 = 10.0;
 
@@ -43,7 +47,7 @@ pub fn weights(pixel_deg: f32, size_px: [u32; 2]) -> Vec<f32> {
         }
         // The light of the equation between half an octave below and above this width.
         let share = within(sigma_deg(level as f32 + 0.5)) - within(sigma_deg(level as f32 - 0.5));
-        weights.push(share);
+        weights.push(LENS * share);
     }
     let spread: f32 = weights[1..].iter().sum();
     weights[0] = 1.0 - spread;

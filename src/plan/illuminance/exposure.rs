@@ -12,6 +12,12 @@ use glam::Vec3;
 /// Share of a flash's light that the exposure answers to: a whole answer would turn the night black around it, none
 /// would leave a white picture without shape.
 const FLASH_METERED: f32 = 0.3;
+/// The same of its light on a cloud that it lights from [`LIT_CLOUD_M`] away: luminance does not fall with the distance from
+/// the eye as illuminance does, and a storm far away would have no shape.
+const CLOUD_METERED: f32 = 0.045;
+const LIT_CLOUD_M: f32 = 3_000.0;
+/// Beyond this distance storms count less and less, m: they fill less and less of the picture.
+const STORMS_COUNT_M: f32 = 60_000.0;
 
 /// The exposure value at ISO 100, given the light at the eye and the cosine of its source against the zenith.
 pub fn ev100(asked: Exposure, at_eye: &Level, mu: f32, snapshot: &Snapshot, eye: &Eye) -> f32 {
@@ -19,16 +25,20 @@ pub fn ev100(asked: Exposure, at_eye: &Level, mu: f32, snapshot: &Snapshot, eye:
         Exposure::Ev100(ev) => ev as f32,
         Exposure::Automatic => {
             let steady_lux = at_eye.direct_lux.y * (0.2 + 0.8 * mu) + at_eye.diffuse_lux.y;
-            automatic_ev(steady_lux + FLASH_METERED * flash_lux(snapshot, eye))
+            automatic_ev(steady_lux + flash_lux(snapshot, eye))
         }
     }
 }
 
-/// Illuminance of the eye by the flashes of the shutter interval, lux, clouds in between not counted.
+/// What the exposure answers to of the flashes of the shutter interval, lux: at the eye, clouds in between not counted, and on
+/// clouds beside them.
 fn flash_lux(snapshot: &Snapshot, eye: &Eye) -> f32 {
     let at = |f: &FlashState| {
-        let away = eye.place(&f.position) - Vec3::new(0.0, 0.0, eye.height_m as f32);
-        f.intensity_cd as f32 / away.length_squared().max(1e6)
+        let away_m = (eye.place(&f.position) - Vec3::new(0.0, 0.0, eye.height_m as f32)).length();
+        let at_eye = FLASH_METERED / (away_m * away_m).max(1e6);
+        let far = away_m / STORMS_COUNT_M;
+        let on_cloud = CLOUD_METERED / (LIT_CLOUD_M * LIT_CLOUD_M) / (1.0 + far * far);
+        f.intensity_cd as f32 * (at_eye + on_cloud)
     };
     snapshot.flashes.iter().map(at).sum()
 }
