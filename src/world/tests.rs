@@ -5,6 +5,7 @@ use super::*;
 use crate::clouds::CloudKind;
 use std::sync::Arc;
 
+mod channels;
 mod every_field;
 
 pub(super) fn layer(base_m: f64) -> LayerSpec {

@@ -5,6 +5,7 @@ use crate::geo::wgs84::{from_ecef, to_ecef};
 use crate::lightning::flash::{FlashKind, Light, Polarity};
 use crate::lightning::strike::{StrikeSpec, grow_strike};
 use crate::lightning::tables::Tables;
+use crate::passes::stroke::NARROWEST_PX;
 use crate::plan::scenes::{clear_day, cumulus_at, flash, place};
 use crate::plan::{FramePlan, Output, plan};
 use std::sync::Arc;
