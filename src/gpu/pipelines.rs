@@ -202,7 +202,7 @@ impl Pipelines {
     /// The veil's pipeline for what a layer needs.
     pub fn veil(&mut self, gpu: &Gpu, variant: DeckVariant) -> &wgpu::ComputePipeline {
         // Its light does not matter to what a cloud hides.
-        let variant = DeckVariant { flashes: false, ..variant };
+        let variant = DeckVariant { flashes: false, light: Encoding::Shares8, shaded: false, ..variant };
         self.veil.entry(variant).or_insert_with(|| {
             let constants = variant.constants();
             let options = wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };

@@ -63,11 +63,11 @@ struct Held {
 }
 
 impl Channels {
-    /// The channel of a flash until `until_s`: the one that is held, or a new one.
+    /// The channel of a flash: the one that is held, or a new one. Held until `until_s`, as whoever asks last knows it.
     pub fn of(&self, flash: u64, until_s: f64, spec: impl FnOnce() -> StrikeSpec) -> Arc<Growing> {
         let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((growing, until)) = held.channels.get_mut(&flash) {
-            *until = until.max(until_s);
+            *until = until_s;
             return growing.clone();
         }
         let growing = Arc::new(Growing::new(spec(), self.tables.clone()));

@@ -117,7 +117,8 @@ fn a_wrong_shader_of_lightning_is_noticed() {
         ("stroke", "0.5641896 * unit * exp(-h * h", "0.5641896 * unit * exp(-1.3 * h * h", OPEN),
         ("veil", "depth += layer.extinction_per_m *", "depth += 0.6 * layer.extinction_per_m *", hidden),
         ("airlight", "source.intensity_cd / d", "1.5 * source.intensity_cd / d", OPEN),
-        ("glow", "0.5625 * coarse_at(near)", "0.4 * coarse_at(near)", OPEN),
+        ("glow", "spread(here)) * glow.gain", "3.0 * spread(here)) * glow.gain", OPEN),
+        ("glow", "0.375 * (fine_at", "0.6 * (fine_at", OPEN),
     ] {
         gpu.pipelines = broken(&gpu, module, right, wrong);
         let mean = apart(&format!("{module} made wrong"), &mut gpu, bolt);
