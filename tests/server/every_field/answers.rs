@@ -244,6 +244,9 @@ fn questions() -> Vec<Case> {
         hello(0, "host", "host"),
         json!({"type": "step", "to_s": 1000}),
         json!({"type": "weather", "layers": [layer], "visibility_m": 20000}),
+        // Hazier around the place that is asked for.
+        json!({"type": "weather", "visibility_m": 2000, "region": {"name": "haze", "latitude_deg": 47, "longitude_deg": 8,
+            "size_east_m": 20000, "size_north_m": 20000}}),
     ];
     let mut one = |field, plain: Value, path: &str, value: Value| {
         let mut changed = plain.clone();
@@ -260,6 +263,9 @@ fn questions() -> Vec<Case> {
     // Without cloud the line ends at the ground.
     let mut down = segment();
     down["cloud"] = json!(false);
+    let elsewhere = json!({"latitude_deg": 47.2, "longitude_deg": 8.2, "altitude_m": 2500});
+    one("query.line_of_sight_segment.from", down.clone(), "/from", elsewhere.clone());
+    one("query.line_of_sight_segment.to", down.clone(), "/to", elsewhere.clone());
     one("query.line_of_sight_segment.from.latitude_deg", down.clone(), "/from/latitude_deg", json!(47.1));
     one("query.line_of_sight_segment.from.longitude_deg", down.clone(), "/from/longitude_deg", json!(8.1));
     one("query.line_of_sight_segment.from.altitude_m", down.clone(), "/from/altitude_m", json!(2900));
@@ -271,6 +277,7 @@ fn questions() -> Vec<Case> {
     one("query.line_of_sight_segment.cloud_opacity", segment(), "/cloud_opacity", json!(0.9));
     let mut down = ray();
     down["cloud"] = json!(false);
+    one("query.line_of_sight_vector.from", down.clone(), "/from", elsewhere);
     one("query.line_of_sight_vector.from.latitude_deg", down.clone(), "/from/latitude_deg", json!(47.1));
     one("query.line_of_sight_vector.from.longitude_deg", down.clone(), "/from/longitude_deg", json!(8.1));
     one("query.line_of_sight_vector.from.altitude_m", down.clone(), "/from/altitude_m", json!(2900));
@@ -281,10 +288,9 @@ fn questions() -> Vec<Case> {
     one("query.line_of_sight_vector.ground", down, "/ground", json!(false));
     one("query.line_of_sight_vector.cloud", ray(), "/cloud", json!(false));
     one("query.line_of_sight_vector.cloud_opacity", ray(), "/cloud_opacity", json!(0.9));
-    // Inside the deck, whose density differs from place to place.
-    let there = at_a_place("conditions", 47.0, 8.0, 1_000.0);
-    one("query.conditions.latitude_deg", there.clone(), "/latitude_deg", json!(47.003));
-    one("query.conditions.longitude_deg", there.clone(), "/longitude_deg", json!(8.003));
+    let there = at_a_place("conditions", 47.0, 8.0, 300.0);
+    one("query.conditions.latitude_deg", there.clone(), "/latitude_deg", json!(48));
+    one("query.conditions.longitude_deg", there.clone(), "/longitude_deg", json!(9.5));
     one("query.conditions.altitude_m", there, "/altitude_m", json!(500));
     cases
 }
