@@ -49,6 +49,8 @@ pub struct Settings {
     pub light_encoding: LightEncodingName,
     /// Ratio between the radii of neighbouring billboard rings, above 1.
     pub ring_ratio: f64,
+    /// Most strokes of lightning in any one second that give light, for people sensitive to flicker; `None`: no limit.
+    pub flicker_guard_per_s: Option<u32>,
     /// Quality of JPEGs where nobody asks for another, 1 to 100.
     pub jpeg_quality: u8,
     /// Scenario to start with; `None`: a clear day at rest.
@@ -122,6 +124,10 @@ struct SettingsFile {
     /// Ratio between the radii of neighbouring billboard rings.
     #[schemars(range(min = limits::RING_RATIO.min, max = limits::RING_RATIO.max))]
     ring_ratio: f64,
+    /// Most strokes of lightning in any one second that give light, for people sensitive to flicker (WCAG 2.3.1: three); those
+    /// beyond are left out. Without it there is no limit.
+    #[schemars(range(min = limits::GUARD_FLASHES_PER_S.min, max = limits::GUARD_FLASHES_PER_S.max))]
+    flicker_guard_per_s: Option<u32>,
     /// Quality of JPEGs where nobody asks for another.
     #[schemars(range(min = limits::JPEG_QUALITY.min, max = limits::JPEG_QUALITY.max))]
     jpeg_quality: u8,
@@ -273,6 +279,7 @@ impl Settings {
             deck_form: file.deck_form,
             light_encoding: file.light_encoding,
             ring_ratio: file.ring_ratio,
+            flicker_guard_per_s: file.flicker_guard_per_s,
             jpeg_quality: file.jpeg_quality,
             scenario: file.scenario,
             scenario_folder: file.scenario_folder.into(),

@@ -7,6 +7,7 @@ pub mod ground;
 pub mod sight;
 
 use crate::plan::{FramePlan, Output, plan};
+use crate::world::command::Polarity;
 use crate::world::event::{Event, Refused};
 use crate::world::snapshot::{Snapshot, ViewState};
 
@@ -36,5 +37,11 @@ pub fn lit(snapshot: &Snapshot) -> impl Iterator<Item = u64> + '_ {
 
 /// The event for the first frame of a snapshot in which this flash gives light.
 pub fn shown(snapshot: &Snapshot, id: u64, view: &str, frame: u64) -> Event {
-    Event::StrikeShown { id, view: view.to_owned(), frame, simulation_time_s: snapshot.simulation_time_s }
+    let flash = snapshot.flashes.iter().find(|flash| flash.id == id);
+    let current_ka = flash.map_or(0.0, |flash| match flash.polarity {
+        Polarity::Negative => -flash.peak_current_ka,
+        Polarity::Positive => flash.peak_current_ka,
+    });
+    let simulation_time_s = snapshot.simulation_time_s;
+    Event::StrikeShown { id, view: view.to_owned(), frame, simulation_time_s, current_ka }
 }

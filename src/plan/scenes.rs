@@ -47,6 +47,7 @@ pub fn clear_day() -> Snapshot {
         weather: WeatherState { layers: Vec::new(), visibility_m: 40_000.0 },
         regions: Vec::new(),
         views: vec![view],
+        storms: Vec::new(),
         flashes: Vec::new(),
         sky,
         quality: Quality {
@@ -90,6 +91,7 @@ pub fn flash(position: Geodetic) -> FlashState {
         position,
         kind: FlashKind::IntraCloud,
         polarity: Polarity::Negative,
+        peak_current_ka: 30.0,
         begin_s: 0.0,
         end_s: 0.5,
         intensity_cd: 1e9,

@@ -58,7 +58,6 @@ mod tests {
     use super::*;
     use crate::world::World;
     use crate::world::command::{Command, FlashKind, Polarity, StrikeRequest, Strokes};
-    use crate::world::limits::MAX_PENDING_STRIKES;
 
     fn strike(seed: u64) -> Command {
         Command::Strike(StrikeRequest {
@@ -79,9 +78,7 @@ mod tests {
     async fn what_is_taken_is_grown_beside_the_world() {
         let mut world = World::new();
         let grower = Grower::default();
-        // A thousand strikes at once: as many as the world takes are grown, the rest was refused.
-        let accepted = (0..1_000).filter(|&seed| world.apply(strike(seed)).is_ok()).count();
-        assert_eq!(accepted, MAX_PENDING_STRIKES);
+        let accepted = (0..40).filter(|&seed| world.apply(strike(seed)).is_ok()).count();
         let growing = world.take_growing();
         assert_eq!(growing.len(), accepted);
         assert!(world.snapshot_at_once(0.02).provisional(), "nothing is there yet, and nobody waits");

@@ -36,6 +36,7 @@ pub use render_thread::ExecutorFactory;
 pub use signals::shutdown_signal;
 pub use stages::{Stage, Stages};
 
+use crate::lightning::guard::FlickerGuard;
 use crate::plan::executor::Fault;
 use crate::settings::Settings;
 use crate::wire::limits;
@@ -209,6 +210,7 @@ async fn run_measured(
 fn new_world(settings: &Settings) -> World {
     let mut world = World::new();
     world.set_quality(settings.quality());
+    world.set_flicker_guard(settings.flicker_guard_per_s.map(FlickerGuard::new));
     world
 }
 

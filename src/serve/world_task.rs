@@ -15,6 +15,7 @@ use crate::world::World;
 use crate::world::command::{Command, ScenarioEdit};
 use crate::world::event::{Applied, Refused};
 use crate::world::snapshot::Snapshot;
+use crate::world::storms::is_of_storm;
 use std::collections::{BTreeSet, VecDeque};
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
@@ -328,7 +329,8 @@ impl WorldTask {
         }
         self.metrics.set_simulation_time(self.world.simulation_time_s());
         for id in self.world.finished_flashes() {
-            if self.strikes.ended(id) {
+            // Nobody asked for a storm's flash: that nobody saw it is no news.
+            if self.strikes.ended(id) && !is_of_storm(id) {
                 missed(&self.hub, id);
             }
         }

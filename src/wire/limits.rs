@@ -202,6 +202,18 @@ pub const GROUND_POINT_M: Range = Range::of(world::GROUND_POINT_M);
 /// Delay of a stroke after its flash began; flashes last up to about 2 s.
 pub const STROKE_DELAY_S: Range = Range::of(world::STROKE_DELAY_S);
 
+// --- Storms ---
+
+/// Mean rate of a storm.
+pub const FLASHES_PER_MINUTE: Range = Range::of(world::FLASHES_PER_MINUTE);
+/// A share of a storm's flashes.
+pub const SHARE: Range = Range::of(world::SHARE);
+/// Factor on the peak currents of a storm's flashes.
+pub const CURRENT_FACTOR: Range = Range::of(world::CURRENT_FACTOR);
+/// Strokes in any one second that the guard against flicker lets through.
+pub const GUARD_FLASHES_PER_S: Whole =
+    Whole::new(crate::lightning::guard::FLASHES_PER_S[0] as u64, crate::lightning::guard::FLASHES_PER_S[1] as u64);
+
 // --- Subscriptions, steps and the sockets ---
 
 /// Most frames a second of one view; the server's own rate has the same limit.

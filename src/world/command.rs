@@ -44,6 +44,13 @@ pub enum Command {
     },
     /// Lightning strikes.
     Strike(StrikeRequest),
+    /// Begins a storm, or changes the one of that name.
+    Storm(StormRequest),
+    /// Ends a storm; flashes under way go on.
+    RemoveStorm {
+        /// The storm's name.
+        name: String,
+    },
     /// Loads, plays, pauses, seeks or speeds up a scenario.
     Scenario(ScenarioEdit),
 }
@@ -258,6 +265,37 @@ pub struct StrikeRequest {
     /// Whether the flash begins with its stepped leader, faintly, and not with its first return stroke.
     pub leader: bool,
     /// Seed of everything that is drawn by chance.
+    pub seed: u64,
+}
+
+/// A storm: a seeded schedule of flashes over a rounded rectangle of ground.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StormRequest {
+    /// Name by which later messages mean the same storm.
+    pub name: String,
+    /// Centre, WGS84.
+    pub latitude_deg: f64,
+    /// Centre, WGS84.
+    pub longitude_deg: f64,
+    /// Full size towards east before rotation.
+    pub size_east_m: f64,
+    /// Full size towards north before rotation.
+    pub size_north_m: f64,
+    /// Radius of the rounded corners, at most half the smaller size.
+    pub corner_radius_m: f64,
+    /// Rotation clockwise seen from above.
+    pub rotation_deg: f64,
+    /// Height of the flashes' light above the ellipsoid; `None`: as for a [`StrikeRequest`].
+    pub altitude_m: Option<f64>,
+    /// Mean rate; the flashes come in bursts.
+    pub flashes_per_minute: f64,
+    /// Share of the flashes that do not come to the ground.
+    pub inside_share: f64,
+    /// Share of the flashes to ground that are positive.
+    pub positive_share: f64,
+    /// Factor on the peak currents of the published distributions.
+    pub current_factor: f64,
+    /// Seed of the schedule.
     pub seed: u64,
 }
 

@@ -58,6 +58,8 @@ pub enum Event {
         frame: u64,
         /// Simulation time of that frame.
         simulation_time_s: f64,
+        /// Peak current of its first stroke in kiloamperes, negative for a negative one.
+        current_ka: f64,
     },
     /// A flash was over before any view had a frame to show it.
     StrikeMissed {

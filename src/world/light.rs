@@ -63,6 +63,7 @@ pub(super) fn states(
             kind: flash.kind,
             polarity: flash.polarity,
             seed: flash.seed,
+            peak_current_ka: flash.flash.strokes.first().map_or(0.0, |stroke| stroke.peak_current_ka),
             begin_s: first_s,
             end_s: last_s,
             intensity_cd: flux_lm / (4.0 * std::f64::consts::PI),

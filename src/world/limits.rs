@@ -14,8 +14,10 @@ pub const MAX_VIEWS: usize = 16;
 pub const MAX_ENTITIES: usize = 64;
 /// Pixels of all views together (four of 3840 x 2160).
 pub const MAX_TOTAL_PIXELS: u64 = 4 * 3840 * 2160;
-/// Flashes that have not ended yet, waiting ones included.
-pub const MAX_PENDING_STRIKES: usize = 64;
+/// Flashes that have not ended yet, waiting ones included, beside those of storms: a thousand in a second are taken.
+pub const MAX_PENDING_STRIKES: usize = 1024;
+/// Storms at once.
+pub const MAX_STORMS: usize = 16;
 /// Strokes of one flash.
 pub const MAX_STROKES: usize = 32;
 /// Entries of a scenario.
@@ -23,7 +25,7 @@ pub const MAX_TIMELINE_ENTRIES: usize = 20_000;
 /// Characters in the name of a view or region.
 pub const MAX_NAME_CHARS: usize = 32;
 /// Ids of finished flashes kept until somebody asks; older ones are dropped.
-pub const MAX_FINISHED_FLASHES: usize = 1024;
+pub const MAX_FINISHED_FLASHES: usize = 2048;
 /// Refusals of scenario entries kept until somebody asks; later ones are dropped.
 pub const MAX_SCENARIO_REFUSALS: usize = 256;
 
@@ -88,8 +90,14 @@ pub const VIEW_OFFSET_M: [f64; 2] = [-1_000.0, 1_000.0];
 /// Exposure value at ISO 100.
 pub const EV100: [f64; 2] = [-12.0, 24.0];
 
-/// Height of a flash's light above the ellipsoid in metres.
-pub const STRIKE_ALTITUDE_M: [f64; 2] = [-500.0, 25_000.0];
+/// Height of a flash's light above the ellipsoid, which is the ground, in metres: up to where sprites begin.
+pub const STRIKE_ALTITUDE_M: [f64; 2] = [0.0, 100_000.0];
+/// Mean rate of a storm; the most active ever counted had some hundreds.
+pub const FLASHES_PER_MINUTE: [f64; 2] = [0.0, 600.0];
+/// A share of flashes.
+pub const SHARE: [f64; 2] = [0.0, 1.0];
+/// Factor on the peak currents of a storm's flashes.
+pub const CURRENT_FACTOR: [f64; 2] = [0.1, 10.0];
 /// Peak current in kiloamperes.
 pub const PEAK_CURRENT_KA: [f64; 2] = [0.1, 500.0];
 /// Length of a given continuing current in seconds; the longest seen is 0.8 s.

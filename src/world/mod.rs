@@ -8,6 +8,7 @@ pub mod event;
 pub mod limits;
 pub mod regions;
 pub mod snapshot;
+pub mod storms;
 pub mod timeline;
 
 mod check;
@@ -29,6 +30,7 @@ pub use event::{Applied, Event, Refused};
 pub use snapshot::Snapshot;
 pub use timeline::{TimedCommand, Timeline};
 
+use crate::lightning::guard::FlickerGuard;
 use crate::lightning::strike::StrikeChannel;
 use crate::passes::light::encoding::Encoding;
 use command::ScenarioEdit;
@@ -53,6 +55,7 @@ pub struct World {
     state: State,
     player: Player,
     quality: Quality,
+    guard: Option<FlickerGuard>,
     snapshots: u64,
 }
 
@@ -66,7 +69,7 @@ impl World {
     /// Ownship at 47 N 8 E, 1500 m; clear, visibility 40 km; one view "main" of 640 x 360 and 60 degrees;
     /// 2026-06-21T11:30:00Z at rate 1; no scenario, the time running.
     pub fn new() -> Self {
-        Self { state: State::new(1), player: Player::default(), quality: DEFAULT_QUALITY, snapshots: 0 }
+        Self { state: State::new(1), player: Player::default(), quality: DEFAULT_QUALITY, guard: None, snapshots: 0 }
     }
 
     /// Applies a command at the present simulation time.
@@ -146,8 +149,7 @@ impl World {
     fn look(&self, shutter_s: f64, grown: fn(&Growing) -> Option<Arc<StrikeChannel>>) -> Snapshot {
         let shutter_s = if shutter_s > 0.0 { shutter_s.min(limits::SIMULATION_TIME_S[1]) } else { 0.0 };
         let mut snapshot = self.state.snapshot(self.snapshots, shutter_s, self.quality);
-        snapshot.flashes.extend(self.player.flashes_ahead(&self.state, snapshot.shutter_s));
-        snapshot.flashes.sort_by_key(|flash| flash.id);
+        snapshot.flashes = self.player.flashes(&self.state, snapshot.shutter_s, self.guard);
         for flash in snapshot.flashes.iter_mut().filter(|flash| !flash.lights.is_empty()) {
             flash.channel = grown(&self.state.channel(flash));
         }
@@ -166,9 +168,15 @@ impl World {
         self.quality.slices = quality.slices.clamp(limits::SLICES[0], limits::SLICES[1]);
     }
 
+    /// Limits strokes in any one second, of all flashes together; those that are too many give no light. `None`: no limit.
+    pub fn set_flicker_guard(&mut self, guard: Option<FlickerGuard>) {
+        self.guard = guard;
+    }
+
     /// Numbers of the flashes that have ended since the last call, whether anybody saw them or not.
     pub fn finished_flashes(&mut self) -> Vec<u64> {
-        self.state.take_finished_flashes()
+        let kept_s = self.guard.map_or(0.0, |guard| guard.memory_s());
+        self.state.take_finished_flashes(kept_s)
     }
 
     /// Scenario entries (by index) that were refused when they became due, since the last call: a scenario is checked when

@@ -2,11 +2,15 @@
 
 use super::check;
 use super::command::Command;
-use super::event::{Applied, Refused};
+use super::event::Refused;
+use super::light;
 use super::limits;
 use super::snapshot::FlashState;
 use super::state::State;
+use super::storms::is_of_storm;
 use super::timeline::Timeline;
+use crate::lightning::guard::FlickerGuard;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// A scenario under way, or none.
@@ -50,25 +54,33 @@ impl Player {
         state.advance(to_s);
     }
 
-    /// The flashes that the scenario strikes after `begin_s`, the time of `state`, and before `end_s`: a picture shows them
-    /// although their entries are not due when its shutter opens, or the light of their first strokes would be lost.
-    pub fn flashes_ahead(&self, state: &State, [begin_s, end_s]: [f64; 2]) -> Vec<FlashState> {
+    /// The flashes of which some part lies in `[begin_s, end_s)`, `begin_s` being the time of `state`: those that there are, and
+    /// those that the scenario strikes before the shutter closes. A picture shows these although their entries are not due
+    /// when it opens, or the light of their first strokes would be lost.
+    pub fn flashes(&self, state: &State, [begin_s, end_s]: [f64; 2], guard: Option<FlickerGuard>) -> Vec<FlashState> {
+        let memory_s = guard.map_or(0.0, |guard| guard.memory_s());
+        let mut ahead;
+        let mut ongoing = state.ongoing([begin_s, end_s], memory_s);
         let entries = self.timeline.as_ref().map_or(&[][..], |timeline| &timeline.entries[self.next..]);
         let due =
             || entries.iter().zip(self.next as u64..).take_while(|(entry, _)| entry.at_s < end_s.min(self.end_s()));
-        if !due().any(|(entry, _)| matches!(entry.command, Command::Strike(_))) {
-            return Vec::new();
-        }
-        let mut ahead = state.clone();
-        let mut flashes = Vec::new();
-        for (entry, index) in due() {
-            ahead.advance(entry.at_s);
-            // A refusal is told when the entry becomes due.
-            if let Ok(Applied::Flash { id }) = ahead.apply(&entry.command, Some(self.first_flash_id + index)) {
-                flashes.extend(ahead.flashes(begin_s, end_s).into_iter().filter(|flash| flash.id == id));
+        let strikes =
+            |command: &Command| matches!(command, Command::Strike(_) | Command::Storm(_) | Command::RemoveStorm { .. });
+        if due().any(|(entry, _)| strikes(&entry.command)) {
+            ahead = state.clone();
+            for (entry, index) in due() {
+                ahead.advance(entry.at_s);
+                // A refusal is told when the entry becomes due.
+                let _told_later = ahead.apply(&entry.command, Some(self.first_flash_id + index));
             }
+            // Storms know there what they were before; of the strikes those that are over by then are gone there.
+            ongoing.retain(|flash| !is_of_storm(flash.id));
+            let known: BTreeSet<u64> = ongoing.iter().map(|flash| flash.id).collect();
+            let later = ahead.ongoing([begin_s, end_s], memory_s);
+            ongoing.extend(later.into_iter().filter(|flash| !known.contains(&flash.id)));
         }
-        flashes
+        ongoing.sort_by_key(|flash| flash.id);
+        light::states(&ongoing, begin_s, end_s, guard)
     }
 
     /// Replaces `state` by the start of a (validated) scenario and plays it at speed 1.

@@ -8,7 +8,7 @@ use crate::passes::light::encoding::Encoding;
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
 
-use super::command::{Exposure, FlashKind, Frustum, Polarity, RegionShape};
+use super::command::{Exposure, FlashKind, Frustum, Polarity, RegionShape, StormRequest};
 
 /// The world at one moment.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +31,8 @@ pub struct Snapshot {
     pub regions: Vec<RegionState>,
     /// The views, by name.
     pub views: Vec<ViewState>,
+    /// The storms that rage, in the order in which they began or were changed last.
+    pub storms: Vec<StormRequest>,
     /// Flashes of which some part lies in the shutter interval, in the order of their numbers.
     pub flashes: Vec<FlashState>,
     /// Sun and moon.
@@ -134,6 +136,8 @@ pub struct FlashState {
     pub kind: FlashKind,
     /// Polarity.
     pub polarity: Polarity,
+    /// Peak current of its first stroke in kiloamperes.
+    pub peak_current_ka: f64,
     /// Simulation time at which it begins.
     pub begin_s: f64,
     /// Simulation time at which its last light ends.

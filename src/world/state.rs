@@ -2,6 +2,7 @@
 
 use crate::geo::Geodetic;
 use crate::geo::celestial::sun_and_moon;
+use crate::lightning::flash::LONGEST_FLASH_S;
 use crate::lightning::strike::StrikeSpec;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -11,17 +12,21 @@ use super::clock::Clock;
 use super::command::{Command, Ownship, SkyEdit, StrikeRequest, WeatherEdit};
 use super::event::{Applied, Refused};
 use super::growing::{Channels, Growing};
-use super::light;
+use super::light::Ongoing;
 use super::limits;
 use super::ownship::LastKnown;
 use super::regions::{self, Region};
 use super::snapshot::{FlashState, Quality, SkyState, Snapshot, ViewState};
+use super::storms::Storms;
 use super::strikes::Strikes;
 use super::views;
 use super::weather::Weather;
 
 /// Height of a flash's light where there is no cloud.
 const STRIKE_ALTITUDE_WITHOUT_CLOUD_M: f64 = 2_000.0;
+
+/// Storms' channels are grown so long before their flashes begin.
+const GROWN_AHEAD_S: f64 = 1.0;
 
 /// Which lights of the sky there are.
 #[derive(Clone, Copy, Debug)]
@@ -62,6 +67,7 @@ pub struct State {
     clock: Clock,
     strikes: Strikes,
     channels: Channels,
+    storms: Storms,
     next_flash_id: u64,
 }
 
@@ -79,6 +85,7 @@ impl State {
             clock: Clock::default(),
             strikes: Strikes::default(),
             channels: Channels::default(),
+            storms: Storms::default(),
             next_flash_id,
         }
     }
@@ -116,8 +123,10 @@ impl State {
             Command::View(edit) => views::edit(&mut self.views, edit)?,
             Command::RemoveView { name } => views::remove(&mut self.views, name)?,
             Command::Strike(request) => return self.strike(request, scenario_flash_id),
+            Command::Storm(request) => self.storms.edit(request, self.now_s)?,
+            Command::RemoveStorm { name } => self.storms.remove(name, self.now_s)?,
             Command::Scenario(_) => {
-                let limit = "ownship, weather, time, view and strike commands";
+                let limit = "ownship, weather, time, view, strike and storm commands";
                 return Err(Refused::new("command", "scenario", limit, "a scenario cannot command its own player"));
             }
         }
@@ -130,50 +139,56 @@ impl State {
         self.channels.forget(self.now_s);
     }
 
-    /// The channel of a flash, grown or not.
+    /// The channel of a flash that a snapshot shows, grown or not.
     pub fn channel(&self, flash: &FlashState) -> Arc<Growing> {
-        self.channels.of(flash.id, flash.end_s, || StrikeSpec {
-            kind: flash.kind,
-            polarity: flash.polarity,
-            seed: flash.seed,
-            origin_m: flash.position.altitude_m,
-            cloud_m: self.cloud_m(&flash.position).unwrap_or([flash.position.altitude_m; 2]),
-            grounds_m: flash.ground_points_m.clone(),
+        let FlashState { id, position, kind, polarity, seed, .. } = *flash;
+        self.channels.of(id, flash.end_s, || {
+            let cloud_m = self.cloud_m(&position).unwrap_or([position.altitude_m; 2]);
+            let grounds_m = flash.ground_points_m.clone();
+            StrikeSpec { kind, polarity, seed, origin_m: position.altitude_m, cloud_m, grounds_m }
         })
     }
 
-    /// Enters the channel of the flash accepted last, so that it can be grown before anybody sees it.
-    fn begin_channel(&self) {
-        let Some(flash) = self.strikes.ongoing(self.now_s).last() else { return };
-        // Kept until a picture takes it over, or a second longer than it would last from now.
-        self.channels.of(flash.id, flash.end_s() + 1.0, || StrikeSpec {
-            kind: flash.kind,
-            polarity: flash.polarity,
-            seed: flash.seed,
-            origin_m: flash.position.altitude_m,
-            cloud_m: self.cloud_m(&flash.position).unwrap_or([flash.position.altitude_m; 2]),
-            grounds_m: flash.flash.ground_points_m.clone(),
-        });
+    /// The channel of a flash, entered so that it can be grown before anybody sees it: kept until a picture takes it over, or a
+    /// second longer than it would last from now.
+    fn channel_of(&self, flash: &Ongoing<'_>) -> Arc<Growing> {
+        let Ongoing { id, position, kind, polarity, seed, .. } = *flash;
+        self.channels.of(id, flash.end_s() + 1.0, || {
+            let cloud_m = self.cloud_m(&position).unwrap_or([position.altitude_m; 2]);
+            let grounds_m = flash.flash.ground_points_m.clone();
+            StrikeSpec { kind, polarity, seed, origin_m: position.altitude_m, cloud_m, grounds_m }
+        })
     }
 
-    /// Channels that are still to be grown, each given out once.
+    /// Channels that are still to be grown, each given out once; those of storms a while before their flashes begin.
     pub fn take_growing(&self) -> Vec<Arc<Growing>> {
+        let altitude_m = |place: &Geodetic| self.cloud_altitude_m(place);
+        for flash in self.storms.begun(self.now_s, self.now_s + GROWN_AHEAD_S, altitude_m) {
+            self.channel_of(&flash);
+        }
         self.channels.take_fresh()
     }
 
-    /// Numbers of the flashes that have ended since the last call.
-    pub fn take_finished_flashes(&mut self) -> Vec<u64> {
-        self.strikes.take_finished(self.now_s)
+    /// Numbers of the flashes that ended since the last call; those asked for one by one are kept for so many seconds more, for
+    /// the guard against flicker to know of them.
+    pub fn take_finished_flashes(&mut self, kept_s: f64) -> Vec<u64> {
+        self.strikes.keep(kept_s);
+        let mut finished = self.strikes.take_finished(self.now_s);
+        finished.extend(self.storms.take_finished(self.now_s));
+        finished
     }
 
     /// Numbers of all flashes not yet asked for, for the state that replaces this one.
     pub fn abandon_flashes(&mut self) -> VecDeque<u64> {
-        self.strikes.abandon()
+        let mut abandoned = self.strikes.abandon();
+        abandoned.extend(self.storms.under_way(self.now_s));
+        abandoned
     }
 
     /// Takes over flash numbers of the state that this one replaces.
     pub fn inherit(&mut self, finished: VecDeque<u64>, next_flash_id: u64) {
         self.strikes.inherit_finished(finished, self.now_s);
+        self.storms.tell_from(self.now_s);
         self.next_flash_id = next_flash_id;
     }
 
@@ -182,13 +197,15 @@ impl State {
         self.next_flash_id
     }
 
-    /// The flashes of which some part lies in `[begin_s, end_s)`.
-    pub fn flashes(&self, begin_s: f64, end_s: f64) -> Vec<FlashState> {
-        let ongoing: Vec<_> = self.strikes.ongoing(begin_s).collect();
-        light::states(&ongoing, begin_s, end_s, None)
+    /// All flashes that may have light in `[begin_s, end_s)`, or had strokes in so many seconds before.
+    pub(super) fn ongoing(&self, [begin_s, end_s]: [f64; 2], memory_s: f64) -> Vec<Ongoing<'_>> {
+        let mut ongoing: Vec<Ongoing<'_>> = self.strikes.ongoing(begin_s).collect();
+        let altitude_m = |place: &Geodetic| self.cloud_altitude_m(place);
+        ongoing.extend(self.storms.begun(begin_s - LONGEST_FLASH_S - memory_s, end_s, altitude_m));
+        ongoing
     }
 
-    /// Everything at this moment.
+    /// Everything at this moment but the flashes, of which the scenario's player knows more.
     pub fn snapshot(&self, number: u64, shutter_s: f64, quality: Quality) -> Snapshot {
         let now_s = self.now_s;
         let utc_s = self.clock.utc_s(now_s);
@@ -203,7 +220,8 @@ impl State {
             weather: self.weather.at(now_s),
             regions: regions::at(&self.regions, now_s),
             views: self.views.iter().map(|view| self.carried(view, now_s)).collect(),
-            flashes: self.flashes(now_s, now_s + shutter_s),
+            storms: self.storms.raging().cloned().collect(),
+            flashes: Vec::new(),
             sky: SkyState {
                 sun_direction_ecef: sky.sun_m.normalize(),
                 moon_direction_ecef: sky.moon_m.normalize(),
@@ -252,14 +270,19 @@ impl State {
             longitude_rad: request.longitude_deg.to_radians(),
             altitude_m: 0.0,
         };
-        let middle = |[base_m, top_m]: [f64; 2]| 0.5 * (base_m + top_m);
-        let altitude_m = self.cloud_m(&place).map_or(STRIKE_ALTITUDE_WITHOUT_CLOUD_M, middle);
-        self.strikes.accept(id, request, begin_s, altitude_m, self.now_s)?;
-        self.begin_channel();
+        self.strikes.accept(id, request, begin_s, self.cloud_altitude_m(&place), self.now_s)?;
+        if let Some(flash) = self.strikes.ongoing(self.now_s).last() {
+            self.channel_of(&flash);
+        }
         if scenario_flash_id.is_none() {
             self.next_flash_id += 1;
         }
         Ok(Applied::Flash { id })
+    }
+
+    /// Where the light of a flash is that does not say: in the middle of the lowest cloud.
+    fn cloud_altitude_m(&self, place: &Geodetic) -> f64 {
+        self.cloud_m(place).map_or(STRIKE_ALTITUDE_WITHOUT_CLOUD_M, |[base_m, top_m]| 0.5 * (base_m + top_m))
     }
 
     /// Base and top of the lowest layer with any cloud in it, of the weather that rules (or will rule) at a place.

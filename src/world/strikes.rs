@@ -16,6 +16,8 @@ use super::limits;
 pub struct Strikes {
     pending: Vec<Pending>,
     finished: VecDeque<u64>,
+    /// Seconds after which a flash that is over is forgotten.
+    kept_s: f64,
 }
 
 /// One accepted flash.
@@ -93,6 +95,11 @@ impl Strikes {
         })
     }
 
+    /// Keeps flashes for so many seconds after they are over, before their numbers are told.
+    pub fn keep(&mut self, kept_s: f64) {
+        self.kept_s = kept_s;
+    }
+
     /// Numbers of the flashes that are over since the last call.
     pub fn take_finished(&mut self, now_s: f64) -> Vec<u64> {
         self.settle(now_s);
@@ -113,6 +120,7 @@ impl Strikes {
     }
 
     fn settle(&mut self, now_s: f64) {
+        let now_s = now_s - self.kept_s;
         let (over, rest) = std::mem::take(&mut self.pending).into_iter().partition(|pending| pending.over(now_s));
         self.pending = rest;
         let over: Vec<Pending> = over;

@@ -336,6 +336,21 @@ fn strikes_out_of_bounds_are_refused() {
         (StrikeRequest { latitude_deg: f64::NAN, ..strike() }, "latitude_deg"),
         (StrikeRequest { longitude_deg: 181.0, ..strike() }, "longitude_deg"),
         (StrikeRequest { altitude_m: Some(1e6), ..strike() }, "altitude_m"),
+        (StrikeRequest { altitude_m: Some(-0.1), ..strike() }, "altitude_m"),
+        (StrikeRequest { peak_current_ka: Some(0.0), ..strike() }, "peak_current_ka"),
+        (given(vec![stroke(0.0, 0.0)]), "strokes[0].peak_current_ka"),
+        (given(vec![StrokeSpec { continuing_s: Some(9.0), ..stroke(0.0, 9.0) }]), "strokes[0].continuing_s"),
+        (
+            given(vec![StrokeSpec { ground_point_m: Some([0.0, 1e6]), ..stroke(0.0, 9.0) }]),
+            "strokes[0].ground_point_m[1]",
+        ),
+        (
+            StrikeRequest {
+                kind: FlashKind::IntraCloud,
+                ..given(vec![StrokeSpec { ground_point_m: Some([0.0, 1.0]), ..stroke(0.0, 9.0) }])
+            },
+            "strokes[0].ground_point_m",
+        ),
         (StrikeRequest { at_s: Some(9.9), ..strike() }, "at_s"),
         (StrikeRequest { at_s: Some(f64::INFINITY), ..strike() }, "at_s"),
         (StrikeRequest { peak_current_ka: Some(-3.0), ..strike() }, "peak_current_ka"),
@@ -431,4 +446,73 @@ fn a_shutter_that_is_no_interval_is_an_instant() {
         assert_eq!(world.snapshot(bad).shutter_s, [0.0, 0.0]);
     }
     assert!(world.snapshot(f64::INFINITY).shutter_s[1].is_finite());
+}
+
+#[test]
+fn strikes_at_the_extremes_give_light_where_they_are() {
+    for (latitude_deg, altitude_m, peak_current_ka) in [
+        (90.0, 4_000.0, 30.0),
+        (-90.0, 4_000.0, 30.0),
+        (47.0, 50_000.0, 30.0),
+        (47.0, 0.0, 30.0),
+        (47.0, 5_000.0, 500.0),
+    ] {
+        let mut world = World::new();
+        let (altitude_m, peak_current_ka) = (Some(altitude_m), Some(peak_current_ka));
+        let request = StrikeRequest { latitude_deg, altitude_m, peak_current_ka, strokes: Strokes::Sample, ..strike() };
+        world.apply(Command::Strike(request)).unwrap();
+        let flashes = world.snapshot(0.02).flashes;
+        let found = &flashes[0];
+        assert!(found.intensity_cd.is_finite() && found.intensity_cd > 1e6, "{found:?}");
+        assert!((found.position.latitude_rad.to_degrees() - latitude_deg).abs() < 1e-12);
+        assert_eq!((found.position.altitude_m, found.peak_current_ka), (altitude_m.unwrap(), peak_current_ka.unwrap()));
+    }
+}
+
+#[test]
+fn a_thousand_strikes_in_one_second_are_all_taken_shine_and_end() {
+    let mut world = World::new();
+    for k in 0..1_000 {
+        let at_s = Some(1.0 + 0.001 * f64::from(k));
+        world.apply(Command::Strike(StrikeRequest { at_s, seed: k as u64, ..strike() })).unwrap();
+    }
+    let mut lit = std::collections::BTreeSet::new();
+    for frame in 0..180 {
+        world.advance_to(f64::from(frame) / 60.0);
+        let flashes = world.peek(1.0 / 60.0).flashes;
+        lit.extend(flashes.iter().filter(|flash| flash.intensity_cd > 0.0).map(|flash| flash.id));
+    }
+    assert_eq!(lit.len(), 1_000);
+    world.advance_to(9.0);
+    assert_eq!(world.finished_flashes().len(), 1_000);
+}
+
+#[test]
+fn the_guard_lets_so_many_strokes_through_and_no_more() {
+    let begun = |limit: Option<u32>| {
+        let mut world = World::new();
+        world.set_flicker_guard(limit.map(FlickerGuard::new));
+        for k in 0..200 {
+            let at_s = Some(0.05 * f64::from(k));
+            world.apply(Command::Strike(StrikeRequest { at_s, seed: k as u64, ..strike() })).unwrap();
+        }
+        // Frames in which some flash's light rises: more than it had a frame before.
+        let (mut rises, mut before) = (Vec::new(), 0.0);
+        for frame in 0..900 {
+            world.advance_to(f64::from(frame) / 60.0);
+            let light: f64 = world.peek(1.0 / 60.0).flashes.iter().map(|flash| flash.intensity_cd).sum();
+            // Of two frames that share a stroke the second may be the brighter one.
+            if light > before && rises.last() != Some(&(frame - 1)) {
+                rises.push(frame);
+            }
+            before = light;
+            world.finished_flashes();
+        }
+        rises
+    };
+    let guarded = begun(Some(3));
+    assert!(guarded.windows(4).all(|window| window[3] - window[0] >= 59), "{guarded:?}");
+    // Half a second for each of ten: all slots have a stroke.
+    assert!(guarded.len() >= 18, "{}", guarded.len());
+    assert!(begun(None).len() > 3 * guarded.len(), "without a guard there are many more");
 }

@@ -247,8 +247,8 @@ fn cigi_scene(input: &[u8]) -> String {
                 "{layer:?}"
             );
         }
-        for storm in scene.storms() {
-            storm.flashes(0.0, 1.0);
+        for flash in &seen.flashes {
+            assert!(flash.intensity_cd.is_finite() && flash.position.altitude_m.is_finite(), "{flash:?}");
         }
     }
     said.into_iter().collect::<Vec<_>>().join("; ")

@@ -2,6 +2,7 @@
 //!
 //! For `stormdeck bolt` alone: the renderer draws flashes with its own passes.
 
+use super::text::dots;
 use crate::lightning::shape::{Line, Point};
 
 /// Linear light of one channel, with a background.
@@ -102,6 +103,14 @@ impl Canvas {
             out.push(255);
         }
         out
+    }
+
+    /// Writes a text into the background; `scale` is the size of a dot in pixels.
+    pub fn text(&mut self, [left, top]: [usize; 2], scale: usize, text: &str, colour: [f32; 3]) {
+        for (column, row) in dots(text) {
+            let (x, y) = (left + column * scale, top + row * scale);
+            self.fill([x, y, (x + scale).min(self.width), y + scale], colour);
+        }
     }
 
     /// Fills a rectangle of the background; for pictures of fields.

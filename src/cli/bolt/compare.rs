@@ -1,6 +1,7 @@
 //! The methods side by side: bolts above, the potentials that they see below.
 
 use super::canvas::Canvas;
+use super::text::{ADVANCE, ROWS};
 use super::view::View;
 use super::{Drawn, Options};
 use crate::cli::Failure;
@@ -12,6 +13,8 @@ use crate::lightning::shape::Line;
 
 /// Decades of potential that the colours span below the greatest.
 const DECADES: f64 = 5.0;
+/// Linear colour of labels.
+const LABEL: [f32; 3] = [0.75, 0.75, 0.70];
 /// From the least to the greatest potential, linear light.
 const RAMP: [[f32; 3]; 5] =
     [[0.002, 0.001, 0.012], [0.05, 0.005, 0.12], [0.32, 0.03, 0.12], [0.80, 0.18, 0.02], [0.98, 0.80, 0.22]];
@@ -39,8 +42,27 @@ pub(super) fn picture(
             Some(kind) => heat(&mut canvas, frame, &field(kind, scene, bolt)?, scene.grid),
             None => canvas.fill(frame, [0.01; 3]),
         }
+        // As large as leaves room for the longest label.
+        let label = label(&bolt.method);
+        let scale = (column / (ADVANCE * (label.len() + 4))).clamp(1, 4);
+        let at = [number * column + 2 * ADVANCE * scale / 3, ROWS * scale / 2];
+        canvas.text(at, scale, &label, LABEL);
+        let below = if seen_by(&bolt.method).is_some() { "potential" } else { "no potential" };
+        canvas.text([at[0], height + at[1]], scale, below, LABEL);
     }
     Ok((canvas.finish(), size))
+}
+
+/// A method's name and parameters.
+fn label(method: &Method) -> String {
+    let name = method.name();
+    match *method {
+        Method::ReedWyvill(_) => name.to_owned(),
+        Method::Dielectric { eta } | Method::DielectricConjugate { eta, .. } | Method::Laplacian { eta, .. } => {
+            format!("{name} eta {eta}")
+        }
+        Method::Rational { eta, rho, .. } => format!("{name} eta {eta} rho {rho}"),
+    }
 }
 
 fn seen_by(method: &Method) -> Option<Potential> {

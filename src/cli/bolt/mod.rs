@@ -1,10 +1,12 @@
-//! `stormdeck bolt`: one lightning channel by any method, as picture, JSON or mesh, without a server.
+//! `stormdeck bolt`: one lightning channel by any method, as picture, JSON, mesh or thunder, without a server.
 
 mod canvas;
 mod compare;
 mod json;
 mod mesh;
 mod request;
+mod sound;
+mod text;
 mod view;
 
 use super::Failure;
@@ -15,6 +17,7 @@ use crate::lightning::grow::{Method, grow};
 use crate::lightning::scene::Scene;
 use crate::lightning::shape::{Line, Shape, lines};
 use crate::lightning::tables::Tables;
+use crate::world::limits::PEAK_CURRENT_KA;
 use canvas::Canvas;
 use request::{GoalName, MethodName, Place, Size, Wall, method, scene};
 use std::path::{Path, PathBuf};
@@ -27,7 +30,7 @@ const MOST_CELLS: u32 = 1_000_000;
 /// Radius of the main channel in a mesh: 30 times a real one of some 5 cm, so that it shows.
 const MESH_RADIUS_M: f64 = 1.5;
 
-/// Draws one lightning channel by any method to PNG, JSON and OBJ.
+/// Draws one lightning channel by any method to PNG, JSON and OBJ, and lets its thunder be heard.
 #[derive(Debug, clap::Args)]
 pub(super) struct Options {
     /// What grows it.
@@ -96,8 +99,17 @@ pub(super) struct Options {
     /// Writes a mesh for artists: Wavefront OBJ, metres, y up.
     #[arg(long, value_name = "FILE")]
     obj: Option<PathBuf>,
+    /// Writes the thunder of a flash along it as a WAV file.
+    #[arg(long, value_name = "FILE")]
+    thunder: Option<PathBuf>,
+    /// Where it is heard: metres east, north and up from the ground below the middle of the grid.
+    #[arg(long, value_name = "E,N,U", default_value = "1000,0,2", requires = "thunder", allow_hyphen_values = true, value_parser = listener)]
+    listener: Listener,
+    /// Peak current of the first stroke that is heard.
+    #[arg(long, value_name = "KA", default_value_t = 30.0, requires = "thunder", value_parser = current)]
+    peak_current_ka: f64,
     /// Draws Reed and Wyvill, dbm, flg and rational side by side with the potentials that they see, to --png.
-    #[arg(long, requires = "png", conflicts_with_all = ["json", "turntable", "obj"])]
+    #[arg(long, requires = "png", conflicts_with_all = ["json", "turntable", "obj", "thunder"])]
     compare: bool,
 }
 
@@ -105,6 +117,28 @@ fn height(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(metres) if (1.0..=100_000.0).contains(&metres) => Ok(metres),
         _ => Err("a number of 1 to 100000 metres".to_owned()),
+    }
+}
+
+/// A place in metres: east, north, up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Listener([f64; 3]);
+
+fn listener(text: &str) -> Result<Listener, String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(str::parse).collect();
+    match numbers.as_deref() {
+        Ok(&[east, north, up]) if [east, north, up].iter().all(|m| m.abs() <= 100_000.0) && up >= 0.0 => {
+            Ok(Listener([east, north, up]))
+        }
+        _ => Err("three numbers of at most 100000 metres, the third not below the ground, as in 1000,0,2".to_owned()),
+    }
+}
+
+fn current(text: &str) -> Result<f64, String> {
+    let [low, high] = PEAK_CURRENT_KA;
+    match text.parse() {
+        Ok(current_ka) if (low..=high).contains(&current_ka) => Ok(current_ka),
+        _ => Err(format!("a number of {low} to {high} kiloamperes")),
     }
 }
 
@@ -148,6 +182,13 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         let lines = if up == 1 { upright(lines.clone()) } else { lines.clone() };
         let points: Vec<[f64; 3]> = lines.iter().flat_map(|line| &line.points).map(|point| point.position_m).collect();
         picture(path, &lines, &View::turntable(&points, options.turn, size_px), size_px)?;
+    }
+    if let Some(path) = &options.thunder {
+        let standing = if up == 1 { upright(lines.clone()) } else { lines.clone() };
+        let middle = [0.5 * extent_m[0], if up == 1 { 0.0 } else { 0.5 * extent_m[1] }, 0.0];
+        let Listener(from_middle) = options.listener;
+        let place = std::array::from_fn(|axis| middle[axis] + from_middle[axis]);
+        sound::write(path, &standing, place, options.peak_current_ka, options.seed)?;
     }
     if let Some(path) = &options.obj {
         write(path, mesh::obj(&lines, up, MESH_RADIUS_M).as_bytes())?;

@@ -50,10 +50,30 @@ fn scenes_are_what_was_typed_and_the_rest_is_refused() {
         "--height-m nan",
         "--cells 0",
         "--compare",
+        "--thunder a.wav --listener 1,2",
+        "--thunder a.wav --listener 1,2,-3",
+        "--thunder a.wav --listener nan,0,0",
+        "--thunder a.wav --peak-current-ka 0",
+        "--listener 1,2,3",
     ] {
         assert!(Line::try_parse_from(std::iter::once("bolt").chain(wrong.split_whitespace())).is_err(), "{wrong}");
     }
     assert!(matches!(scene(&options("--grid 16x16 --target 16,0")), Err(Failure::Input(_))));
     assert!(matches!(run(&options("--grid 16x16 --rho 99")), Err(Failure::Input(_))));
     assert!(matches!(run(&options("--method reed-wyvill --grid 16x16 --wall 1,1:2,2")), Err(Failure::Input(_))));
+}
+
+#[test]
+fn the_thunder_of_a_bolt_is_a_wav_that_begins_when_sound_has_come() {
+    let path = std::env::temp_dir().join(format!("stormdeck-thunder-{}.wav", std::process::id()));
+    let file = path.to_str().expect("a path in Unicode");
+    run(&options(&format!("--grid 32x32x32 --seed 5 --thunder {file} --listener 800,-600,0"))).expect("a sound");
+    let mut read = hound::WavReader::open(&path).expect("a WAV file");
+    assert_eq!((read.spec().channels, read.spec().bits_per_sample), (1, 16));
+    let samples: Vec<i16> = read.samples().collect::<Result<_, _>>().expect("samples");
+    let greatest = samples.iter().map(|sample| sample.unsigned_abs()).max().expect("samples");
+    assert!(samples.len() > 22_050 && (29_000..29_300).contains(&greatest), "{} {greatest}", samples.len());
+    std::fs::remove_file(&path).expect("its own file");
+    let deaf = run(&options(&format!("--grid 16x16 --thunder {file} --listener 60000,0,0")));
+    assert!(matches!(deaf, Err(Failure::Run(_))) && !path.exists());
 }

@@ -140,6 +140,8 @@ impl Session {
                 }
                 ("view", Command::View(edit))
             }
+            Command::Storm(_) => ("storm", command),
+            Command::RemoveStorm { .. } => ("remove_storm", command),
             Command::RemoveView { ref name } => {
                 self.views.remove(name);
                 ("view", command)

@@ -77,11 +77,10 @@ fn hold(version: Version, talk: &Talk, packet: &Packet) -> Outcome {
             }
         }
     }
-    let flashes: Vec<_> = scene.storms().iter().flat_map(|storm| storm.flashes(0.0, 120.0)).collect();
     let wanted = [EVENT_STRIKE_SHOWN, EVENT_STRIKE_MISSED].map(|event| scene.wants(event));
     let now = world.peek(0.02);
     world.advance_to(0.5);
-    let _ = writeln!(outcome.seen, "{flashes:?} {wanted:?} {now:?} {:?}", world.peek(0.02));
+    let _ = writeln!(outcome.seen, "{wanted:?} {now:?} {:?}", world.peek(0.02));
     let known = Known {
         snapshot: Arc::new(now),
         entities: scene.entities().clone(),

@@ -16,6 +16,7 @@ use crate::wire::cigi::packets::{EventNotification, IgControl, ImageGeneratorMes
 use crate::wire::cigi::scene::{EVENT_STRIKE_MISSED, EVENT_STRIKE_SHOWN, Moment, Scene};
 use crate::wire::cigi::{Direction, Version, decode, others};
 use crate::world::event::{Event, Refused};
+use crate::world::storms::is_of_storm;
 use peer::{Peer, convention};
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
@@ -46,7 +47,6 @@ pub(super) struct Session {
     stale: bool,
     /// The host's number and the current of each flash that nobody has seen yet.
     strikes: BTreeMap<u64, (u16, f32)>,
-    storms_until_s: f64,
     /// Synchronous operation: the picture of the frame before, and whether the host has answered since.
     drawing: Option<oneshot::Receiver<()>>,
     answered: bool,
@@ -70,7 +70,6 @@ impl Session {
             working: None,
             stale: false,
             strikes: BTreeMap::new(),
-            storms_until_s: 0.0,
             drawing: None,
             answered: true,
             logged_us: 0,
@@ -138,12 +137,16 @@ impl Session {
 
     /// Takes an event of the world.
     pub(super) fn event(&mut self, event: &Event) {
-        let (id, event_id, frame) = match event {
-            Event::StrikeShown { id, frame, .. } => (id, EVENT_STRIKE_SHOWN, *frame as u32),
-            Event::StrikeMissed { id } => (id, EVENT_STRIKE_MISSED, u32::MAX),
+        // A storm's flash has no number of the host's.
+        let (asked, event_id, frame) = match event {
+            Event::StrikeShown { id, frame, current_ka, .. } => {
+                let asked = if is_of_storm(*id) { Some((0, *current_ka as f32)) } else { self.strikes.remove(id) };
+                (asked, EVENT_STRIKE_SHOWN, *frame as u32)
+            }
+            Event::StrikeMissed { id } => (self.strikes.remove(id), EVENT_STRIKE_MISSED, u32::MAX),
             Event::State(_) => return,
         };
-        let Some((strike_id, current_ka)) = self.strikes.remove(id) else { return };
+        let Some((strike_id, current_ka)) = asked else { return };
         if self.scene.wants(event_id) {
             self.push([EventNotification {
                 event_id,
@@ -179,7 +182,6 @@ impl Session {
             self.step().await;
         }
         if self.link.mode() != Mode::Standby {
-            self.storms(now_us).await;
             self.ask().await;
         }
         let opening = self.peer.as_ref().map(|peer| peer.opening);

@@ -12,7 +12,6 @@ mod views;
 mod weather;
 
 pub use entities::Entities;
-pub use storm::Storm;
 pub use strikes::{EVENT_STRIKE_MISSED, EVENT_STRIKE_SHOWN, STRIKE_COMPONENT};
 pub use views::MAIN;
 
@@ -101,11 +100,6 @@ impl Scene {
     /// What the host has said of the air, for answers.
     pub fn air(&self) -> Air {
         self.weather.air(&self.entities)
-    }
-
-    /// The storms that rage.
-    pub fn storms(&self) -> Vec<Storm> {
-        self.weather.storms(&self.entities)
     }
 
     /// Whether the host wants to hear of an event.

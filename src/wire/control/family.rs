@@ -4,12 +4,13 @@ use super::ownship::OwnshipMessage;
 use super::region::RemoveRegionMessage;
 use super::scenario::ScenarioMessage;
 use super::session::{HelloMessage, QueryMessage, StepMessage, SubscribeMessage, UnsubscribeMessage};
+use super::storm::{RemoveStormMessage, StormMessage};
 use super::strike::StrikeMessage;
 use super::time::TimeMessage;
 use super::view::{ViewMessage, ViewName};
 use super::weather::WeatherMessage;
 use super::{Hello, Message, Subscription};
-use crate::world::command::{Command, StrikeRequest, TimeEdit, WeatherEdit};
+use crate::world::command::{Command, StormRequest, StrikeRequest, TimeEdit, WeatherEdit};
 use crate::world::event::Refused;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Serialize;
@@ -50,6 +51,13 @@ pub const FAMILIES: &[Family] = &[
     family::<StrikeMessage>("strike", true, |fields| {
         StrikeRequest::try_from(serde::<StrikeMessage>(fields)?)
             .map(|request| Message::Command(Command::Strike(request)))
+    }),
+    family::<StormMessage>("storm", true, |fields| {
+        StormRequest::try_from(serde::<StormMessage>(fields)?).map(|request| Message::Command(Command::Storm(request)))
+    }),
+    family::<RemoveStormMessage>("remove_storm", true, |fields| {
+        let RemoveStormMessage { name } = serde(fields)?;
+        Ok(Message::Command(Command::RemoveStorm { name }))
     }),
     family::<ScenarioMessage>("scenario", false, |fields| serde::<ScenarioMessage>(fields)?.try_into()),
     family::<SubscribeMessage>("subscribe", false, |fields| {
@@ -102,6 +110,8 @@ pub fn encode_command(command: &Command) -> (&'static str, Value) {
         Command::View(edit) => ("view", json(&ViewMessage::from(edit))),
         Command::RemoveView { name } => ("view", json(&ViewMessage::Remove(ViewName { name: name.clone() }))),
         Command::Strike(request) => ("strike", json(&StrikeMessage::from(request))),
+        Command::Storm(request) => ("storm", json(&StormMessage::from(request))),
+        Command::RemoveStorm { name } => ("remove_storm", json(&RemoveStormMessage { name: name.clone() })),
         Command::Scenario(edit) => ("scenario", json(&ScenarioMessage::from(edit))),
         // Said by CIGI hosts alone: there is no such message, and a server would refuse it.
         Command::Entity { .. } => ("entity", Value::Null),

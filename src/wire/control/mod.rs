@@ -10,6 +10,7 @@ pub mod question;
 pub mod region;
 pub mod scenario;
 pub mod session;
+pub mod storm;
 pub mod strike;
 pub mod time;
 pub mod view;

@@ -35,9 +35,14 @@ fn examples() -> Vec<Value> {
         json!({ "type": "view", "action": "remove", "name": "left" }),
         json!({ "type": "strike", "latitude_deg": 47, "longitude_deg": 8.1, "altitude_m": 3000, "at_s": 12.5,
             "flash_type": "cloud_to_ground", "polarity": "positive", "strokes": [
-                { "delay_s": 0, "peak_current_ka": 30 }, { "delay_s": 0.06, "peak_current_ka": 12 }], "seed": 5 }),
+                { "delay_s": 0, "peak_current_ka": 30, "continuing_s": 0.2, "ground_point_m": [10, -20] },
+                { "delay_s": 0.06, "peak_current_ka": 12 }], "leader": true, "seed": 5 }),
         json!({ "type": "strike", "latitude_deg": 47, "longitude_deg": 8.1, "at_s": "now", "flash_type": "intra_cloud",
             "peak_current_ka": 25, "strokes": "sample", "seed": 6 }),
+        json!({ "type": "storm", "name": "cell-2", "latitude_deg": 47.5, "longitude_deg": 8.5, "size_east_m": 9000,
+            "size_north_m": 8000, "corner_radius_m": 3000, "rotation_deg": 15, "altitude_m": 5000, "flashes_per_minute": 6,
+            "inside_share": 0.8, "positive_share": 0.2, "current_factor": 1.5, "seed": 3 }),
+        json!({ "type": "remove_storm", "name": "cell-2" }),
         json!({ "type": "scenario", "action": "load", "name": "clear-day" }),
         json!({ "type": "scenario", "action": "load", "document": { "type": "scenario", "protocol": "stormdeck.v1",
             "name": "tiny", "description": "Small.", "duration_s": 60, "entries": [

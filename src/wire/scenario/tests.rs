@@ -116,6 +116,8 @@ fn a_timeline_comes_back_from_its_own_text() {
         r#"{"at": 0, "type": "ownship", "latitude_deg": 47.123456789, "longitude_deg": -8.1, "altitude_m": 0.1, "yaw_deg": 1, "pitch_deg": 2, "roll_deg": 3, "velocity_ned_mps": [0.1, 0.2, 0.3]}"#,
         r#"{"at": 0.1, "type": "weather", "region": {"name": "a", "latitude_deg": 1, "longitude_deg": 2, "size_east_m": 1000, "size_north_m": 1000}, "layers": [], "transition_s": 3}"#,
         r#"{"at": 0.2, "type": "remove_region", "name": "a", "transition_s": 1}"#,
+        r#"{"at": 0.2, "type": "storm", "name": "s", "latitude_deg": 1, "longitude_deg": 2, "size_east_m": 9000, "size_north_m": 9000}"#,
+        r#"{"at": 0.2, "type": "remove_storm", "name": "s"}"#,
         r#"{"at": 0.3, "type": "time", "utc": "2026-05-10T11:25:00.123456Z"}"#,
         r#"{"at": 0.4, "type": "view", "action": "create", "name": "b", "exposure_ev100": 9.5}"#,
         r#"{"at": 0.5, "type": "view", "action": "remove", "name": "b"}"#,

@@ -224,6 +224,49 @@ fn strike_fields() {
 }
 
 #[test]
+fn storm_fields() {
+    let base = StormRequest {
+        name: "a".into(),
+        latitude_deg: 47.0,
+        longitude_deg: 8.0,
+        size_east_m: 9_000.0,
+        size_north_m: 8_000.0,
+        corner_radius_m: 0.0,
+        rotation_deg: 0.0,
+        altitude_m: Some(4_000.0),
+        flashes_per_minute: 600.0,
+        inside_share: 0.3,
+        positive_share: 0.0,
+        current_factor: 1.0,
+        seed: 1,
+    };
+    let with = |change: &dyn Fn(&mut StormRequest)| {
+        let mut changed = base.clone();
+        change(&mut changed);
+        Command::Storm(changed)
+    };
+    let variants = vec![
+        ("name", with(&|s| s.name = "b".into())),
+        ("latitude_deg", with(&|s| s.latitude_deg += 1e-6)),
+        ("longitude_deg", with(&|s| s.longitude_deg += 1e-6)),
+        ("size_east_m", with(&|s| s.size_east_m += 1.0)),
+        ("size_north_m", with(&|s| s.size_north_m += 1.0)),
+        ("corner_radius_m", with(&|s| s.corner_radius_m = 1.0)),
+        ("rotation_deg", with(&|s| s.rotation_deg = 1.0)),
+        ("altitude_m", with(&|s| s.altitude_m = None)),
+        ("flashes_per_minute", with(&|s| s.flashes_per_minute = 60.0)),
+        ("inside_share", with(&|s| s.inside_share = 1.0)),
+        ("positive_share", with(&|s| s.positive_share = 1.0)),
+        ("current_factor", with(&|s| s.current_factor = 1.1)),
+        ("seed", with(&|s| s.seed = 2)),
+    ];
+    all_differ(&with(&|_| ()), variants, &[]);
+    let other = Command::Storm(StormRequest { name: "b".into(), ..base.clone() });
+    let remove = |name: &str| Command::RemoveStorm { name: name.into() };
+    all_differ(&remove("a"), vec![("name", remove("b"))], &[with(&|_| ()), other]);
+}
+
+#[test]
 fn scenario_fields() {
     let load = |timeline: Timeline| Command::Scenario(ScenarioEdit::Load(Arc::new(timeline)));
     let mut later = demo();

@@ -59,6 +59,12 @@ pub fn numbered() -> Vec<(&'static str, Value)> {
         ("view.change", json!({"type": "view", "action": "change", "name": "main"})),
         ("view.remove", json!({"type": "view", "action": "remove", "name": "main"})),
         ("strike", place),
+        (
+            "storm",
+            json!({"type": "storm", "name": "cell", "latitude_deg": 47, "longitude_deg": 8, "size_east_m": 9000,
+            "size_north_m": 9000}),
+        ),
+        ("remove_storm", json!({"type": "remove_storm", "name": "cell"})),
         ("scenario.load", json!({"type": "scenario", "action": "load", "document": document()})),
         ("scenario.play", json!({"type": "scenario", "action": "play"})),
         ("scenario.pause", json!({"type": "scenario", "action": "pause"})),

@@ -21,6 +21,8 @@ type Seen = (String, [u32; 2], u32, Vec<u8>);
 
 /// Values of 8 bits by which some pixel has to change: more than the last bit, which dithering and rounding may move.
 const VISIBLE: u8 = 3;
+/// A moment of the storm at which flashes of all kinds shine.
+const STORMY_S: f64 = 40.5;
 
 #[test]
 fn changing_a_field_changes_the_picture() {
@@ -93,6 +95,9 @@ fn base(kind: &str) -> Value {
         "strike" => json!({"type": "strike", "latitude_deg": 47.05, "longitude_deg": 8.0, "altitude_m": 2000,
             "at_s": 5.0, "flash_type": "cloud_to_ground", "polarity": "negative", "peak_current_ka": 30,
             "strokes": "sample", "seed": 1}),
+        "storm" => json!({"type": "storm", "name": "cell", "latitude_deg": 47.05, "longitude_deg": 8.0,
+            "size_east_m": 6000, "size_north_m": 4000, "corner_radius_m": 0, "rotation_deg": 0, "altitude_m": 2000,
+            "flashes_per_minute": 600, "inside_share": 0.3, "positive_share": 0, "current_factor": 1, "seed": 1}),
         other => panic!("no message is called {other}"),
     }
 }
@@ -120,7 +125,7 @@ fn pointer(path: &str) -> String {
 }
 
 pub fn cases() -> Vec<Case> {
-    [ownship(), weather(), changes(), regions(), time(), views(), strikes()].into_iter().flatten().collect()
+    [ownship(), weather(), changes(), regions(), time(), views(), strikes(), storms()].into_iter().flatten().collect()
 }
 
 fn case(field: &'static str, before: &[Value], plain: Value, changed: Value, at_s: f64) -> Case {
@@ -269,12 +274,46 @@ fn views() -> Vec<Case> {
     found
 }
 
-/// A flash in an overcast night; looked at when it begins.
-fn strikes() -> Vec<Case> {
+/// Where flashes are seen well.
+fn overcast_night() -> [Value; 3] {
     let night = json!({"type": "time", "utc": "2026-01-18T00:00:00Z"});
     let overcast = json!({"type": "weather", "layers": [
         {"cloud_type": "stratocumulus", "base_m": 1800, "thickness_m": 1500, "coverage": 0.9}]});
-    let before = [base("ownship"), night, overcast];
+    [base("ownship"), night, overcast]
+}
+
+/// A storm so fierce that there is light at any moment; looked at in one in which all of it counts.
+fn storms() -> Vec<Case> {
+    let before = overcast_night();
+    let storm = base("storm");
+    let one = |field: &'static str, at: &str, value: Value| {
+        case(field, &before, storm.clone(), with(&storm, at, value), STORMY_S)
+    };
+    let other = with(&storm, "/name", json!("other"));
+    let both: Vec<Value> = before.iter().chain([&storm, &other]).cloned().collect();
+    let remove = |name| json!({"type": "remove_storm", "name": name});
+    vec![
+        one("storm.name", "/name", json!("other")),
+        one("storm.latitude_deg", "/latitude_deg", json!(47.08)),
+        one("storm.longitude_deg", "/longitude_deg", json!(8.05)),
+        one("storm.size_east_m", "/size_east_m", json!(15_000)),
+        one("storm.size_north_m", "/size_north_m", json!(12_000)),
+        one("storm.corner_radius_m", "/corner_radius_m", json!(2_000)),
+        one("storm.rotation_deg", "/rotation_deg", json!(70)),
+        one("storm.altitude_m", "/altitude_m", json!(300)),
+        one("storm.altitude_m", "/altitude_m", json!(null)),
+        one("storm.flashes_per_minute", "/flashes_per_minute", json!(60)),
+        one("storm.inside_share", "/inside_share", json!(1)),
+        one("storm.positive_share", "/positive_share", json!(1)),
+        one("storm.current_factor", "/current_factor", json!(4)),
+        one("storm.seed", "/seed", json!(2)),
+        case("remove_storm.name", &both, remove("cell"), remove("other"), STORMY_S),
+    ]
+}
+
+/// A flash in an overcast night; looked at when it begins.
+fn strikes() -> Vec<Case> {
+    let before = overcast_night();
     let message = base("strike");
     let one = |field: &'static str, at: &str, value: Value| {
         case(field, &before, message.clone(), with(&message, at, value), 5.0)

@@ -91,7 +91,7 @@ impl Session {
         self.app.set_air(Air::default());
         // A job cannot be cancelled: the next begins when it has ended, so that a host that comes and goes piles up none.
         self.stale = self.working.is_some();
-        (self.drawing, self.answered, self.storms_until_s) = (None, true, 0.0);
+        (self.drawing, self.answered) = (None, true);
     }
 }
 

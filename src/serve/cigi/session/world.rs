@@ -1,4 +1,4 @@
-//! What a host's packets do to the world, and what is asked of it for the host: commands, strikes, storms, steps, answers.
+//! What a host's packets do to the world, and what is asked of it for the host: commands, strikes, steps, answers.
 
 use super::super::super::step::Outcome;
 use super::super::super::world_task::Request;
@@ -10,8 +10,6 @@ use crate::world::event::{Applied, Refused};
 use std::sync::atomic::Ordering::Relaxed;
 use tokio::sync::oneshot;
 
-/// Storms are asked for their flashes so far ahead, so that each begins at its own time.
-const STORM_AHEAD_S: f64 = 0.5;
 /// Strikes whose host numbers are remembered until they are seen.
 const STRIKES_REMEMBERED: usize = 1_024;
 
@@ -70,19 +68,6 @@ impl Session {
                 (Err(refused), _) => self.refused(&refused),
             }
         }
-    }
-
-    /// The flashes of the storms for the time ahead.
-    pub(super) async fn storms(&mut self, now_us: u64) {
-        let now_s = self.app.metrics.simulation_time_s();
-        let (from_s, to_s) = (self.storms_until_s.max(now_s), now_s + STORM_AHEAD_S);
-        if to_s <= from_s {
-            return;
-        }
-        self.storms_until_s = to_s;
-        let flashes = self.scene.storms().into_iter().flat_map(|storm| storm.flashes(from_s, to_s));
-        let strikes = flashes.map(|flash| (Some(Asked::of(0, &flash)), Command::Strike(flash))).collect();
-        self.apply(strikes, now_us).await;
     }
 
     /// Begins to work out the answers that are due, unless the last are not ready yet.

@@ -1,15 +1,15 @@
 //! Weather: layers of the globe, of regions and of entities become cloud layers, regions and storms.
 
-use super::storm::Storm;
+use super::storm::{Storm, near as near_storm};
 use super::{Convention, Entities, half_turn};
 use crate::outputs::air::{Air, AirMass};
 use crate::units::deg;
 use crate::wire::cigi::Version;
 use crate::wire::cigi::packets::{AtmosphereControl, EnvironmentalRegionControl, WeatherControl};
 use crate::wire::limits::{CIGI_REGIONS, CIGI_WEATHER_LAYERS};
-use crate::world::command::{Command, LayerSpec, RegionShape, WeatherEdit};
+use crate::world::command::{Command, LayerSpec, RegionShape, StormRequest, WeatherEdit};
 use crate::world::event::Refused;
-use crate::world::limits::{MAX_REGIONS, REGION_SIZE_M, REGION_TRANSITION_M, VISIBILITY_M};
+use crate::world::limits::{MAX_REGIONS, MAX_STORMS, REGION_SIZE_M, REGION_TRANSITION_M, VISIBILITY_M};
 use std::collections::BTreeMap;
 
 pub mod clouds;
@@ -53,6 +53,7 @@ pub struct Weather {
     heard_global: Vec<LayerSpec>,
     heard_visibility_m: Option<f64>,
     heard_regions: BTreeMap<String, (RegionShape, Vec<LayerSpec>)>,
+    heard_storms: BTreeMap<String, StormRequest>,
     changed: bool,
 }
 
@@ -67,6 +68,7 @@ impl Weather {
             heard_global: Vec::new(),
             heard_visibility_m: None,
             heard_regions: BTreeMap::new(),
+            heard_storms: BTreeMap::new(),
             changed: false,
         }
     }
@@ -130,7 +132,12 @@ impl Weather {
 
     /// What the world is to hear.
     pub fn commands(&mut self, entities: &Entities) -> Vec<Command> {
-        let follows = self.layers.keys().any(|(place, _)| matches!(place, Place::Entity(_)));
+        // What goes with an entity, and a storm of the global weather with the ownship, has to be looked after.
+        let follows = self.layers.iter().any(|((place, _), said)| match place {
+            Place::Entity(_) => true,
+            Place::Global => said.packet.random_lightning_enable,
+            Place::Region(_) => false,
+        });
         if !std::mem::take(&mut self.changed) && !follows {
             return Vec::new();
         }
@@ -165,7 +172,24 @@ impl Weather {
             }
         }
         (self.heard_global, self.heard_visibility_m, self.heard_regions) = (global, visibility_m, wanted);
+        self.storm_commands(entities, &mut commands);
         commands
+    }
+
+    /// What the world is to hear of storms: as many as it has room for.
+    fn storm_commands(&mut self, entities: &Entities, commands: &mut Vec<Command>) {
+        let requests = self.storms(entities).into_iter().take(MAX_STORMS).map(|storm| storm.request());
+        let mut wanted: BTreeMap<String, StormRequest> = requests.map(|storm| (storm.name.clone(), storm)).collect();
+        for name in self.heard_storms.keys().filter(|name| !wanted.contains_key(*name)) {
+            commands.push(Command::RemoveStorm { name: name.clone() });
+        }
+        for (name, storm) in &mut wanted {
+            match self.heard_storms.get(name) {
+                Some(heard) if near_storm(heard, storm) => *storm = heard.clone(),
+                _ => commands.push(Command::Storm(storm.clone())),
+            }
+        }
+        self.heard_storms = wanted;
     }
 
     /// What was said of the air, for answers.

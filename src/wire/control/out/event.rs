@@ -42,7 +42,7 @@ impl EventMessage {
     /// The message for an event of the world; `None` for a state, which has its own message.
     pub fn from_world(event: &Event) -> Option<Self> {
         match event {
-            Event::StrikeShown { id, view, frame, simulation_time_s } => Some(Self::StrikeShown {
+            Event::StrikeShown { id, view, frame, simulation_time_s, .. } => Some(Self::StrikeShown {
                 flash: *id,
                 view: view.clone(),
                 frame: *frame,

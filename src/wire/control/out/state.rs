@@ -31,7 +31,9 @@ pub struct StateMessage {
     pub regions: Vec<RegionOut>,
     /// The views, by name.
     pub views: Vec<ViewOut>,
-    /// Flashes that shine or will soon.
+    /// The storms that rage.
+    pub storms: Vec<super::super::storm::StormMessage>,
+    /// Flashes that shine or will soon, those of storms among them.
     pub flashes: Vec<FlashOut>,
     /// Sun and moon, seen from the ownship.
     pub sky: SkyOut,

@@ -35,12 +35,29 @@ fn example() -> Snapshot {
     let edit = |region| WeatherEdit { region, layers: Some(vec![layer]), ..WeatherEdit::default() };
     world.apply(Command::Weather(edit(None))).expect("good weather");
     world.apply(Command::Weather(edit(Some(shape)))).expect("a good region");
+    let storm = crate::world::command::StormRequest {
+        name: "s".into(),
+        latitude_deg: 45.0,
+        longitude_deg: 6.0,
+        size_east_m: 9000.0,
+        size_north_m: 9000.0,
+        corner_radius_m: 0.0,
+        rotation_deg: 0.0,
+        altitude_m: None,
+        flashes_per_minute: 0.0,
+        inside_share: 0.5,
+        positive_share: 0.1,
+        current_factor: 1.0,
+        seed: 1,
+    };
+    world.apply(Command::Storm(storm)).expect("a good storm");
     let mut snapshot = world.snapshot(0.02);
     snapshot.flashes.push(FlashState {
         id: 4,
         position: Geodetic { latitude_rad: 0.8, longitude_rad: 0.1, altitude_m: 3000.0 },
         kind: FlashKind::IntraCloud,
         polarity: Polarity::Negative,
+        peak_current_ka: 30.0,
         begin_s: 1.0,
         end_s: 2.0,
         intensity_cd: 1e9,
@@ -93,6 +110,8 @@ fn every_part_of_a_snapshot_is_in_the_state_message() {
         ("view offset", |s| s.views[0].offset_m[2] += 1.0),
         ("view attitude", |s| s.views[0].attitude = Attitude { yaw_rad: 0.2, ..s.views[0].attitude }),
         ("view exposure", |s| s.views[0].exposure = Exposure::Ev100(11.0)),
+        ("storm", |s| s.storms[0].seed += 1),
+        ("storms", |s| s.storms.clear()),
         ("flash id", |s| s.flashes[0].id += 1),
         ("flash place", |s| s.flashes[0].position.altitude_m += 1.0),
         ("flash kind", |s| s.flashes[0].kind = FlashKind::CloudToCloud),
@@ -141,7 +160,7 @@ fn the_state_is_in_the_units_of_its_names() {
 
 #[test]
 fn each_event_of_the_world_has_its_message() {
-    let shown = Event::StrikeShown { id: 3, view: "main".into(), frame: 9, simulation_time_s: 0.5 };
+    let shown = Event::StrikeShown { id: 3, view: "main".into(), frame: 9, simulation_time_s: 0.5, current_ka: -30.0 };
     let expected = EventMessage::StrikeShown { flash: 3, view: "main".into(), frame: 9, simulation_time_s: 0.5 };
     assert_eq!(EventMessage::from_world(&shown), Some(expected));
     assert_eq!(EventMessage::from_world(&Event::StrikeMissed { id: 4 }), Some(EventMessage::StrikeMissed { flash: 4 }));

@@ -177,30 +177,29 @@ fn random_lightning_is_a_seeded_storm_inside_its_extent() {
         ..cloud(1, 6, 1_000.0, 8_000.0)
     };
     host.says([region.into(), storm.clone().into()]);
-    let storms = host.scene.storms();
+    let storms = host.sees().storms;
     assert_eq!(storms.len(), 1);
-    let hour = storms[0].flashes(0.0, 50.0);
-    assert_eq!(hour, storms[0].flashes(0.0, 50.0), "the same seed");
-    let mut flashes: Vec<StrikeRequest> =
-        (0..72).flat_map(|k| storms[0].flashes(50.0 * f64::from(k), 50.0 * f64::from(k + 1))).collect();
-    // 30 a minute for an hour: 1800, give or take five times the square root.
-    assert!((flashes.len() as f64 - 1_800.0).abs() < 5.0 * 1_800.0_f64.sqrt(), "{}", flashes.len());
-    for flash in &flashes {
-        let place = crate::geo::Geodetic {
-            latitude_rad: flash.latitude_deg.to_radians(),
-            longitude_rad: flash.longitude_deg.to_radians(),
-            altitude_m: 0.0,
-        };
-        // The outline is measured on a sphere that fits the Earth at the centre: some metres at 15 km.
-        assert!(signed_distance_m(&storms[0].shape, &place) < 20.0, "{flash:?}");
-        assert_eq!(flash.altitude_m, Some(5_000.0));
-    }
-    let mut currents: Vec<f64> = flashes.iter_mut().filter_map(|flash| flash.peak_current_ka).collect();
-    currents.sort_by(f64::total_cmp);
-    // Median of a log-normal: its error is 1.25 sigma / sqrt(n) = 1.4 % here; five of these.
-    assert!((currents[currents.len() / 2] / (31.0 * 1.3) - 1.0).abs() < 0.07, "{}", currents[currents.len() / 2]);
-    let other = Storm { seed: 2, ..storms[0].clone() };
-    assert_ne!(other.flashes(0.0, 50.0), hour);
+    let found = &storms[0];
+    assert_eq!((found.name.as_str(), found.latitude_deg, found.longitude_deg), ("cigi-region-1-1", 47.0, 8.0));
+    assert_eq!((found.size_east_m, found.size_north_m, found.corner_radius_m), (10_000.0, 30_000.0, 5_000.0));
+    assert_eq!((found.rotation_deg, found.altitude_m), (30.0, Some(5_000.0)));
+    assert_eq!((found.flashes_per_minute, found.current_factor), (30.0, 1.3));
+    assert_eq!(host.says([storm.clone().into()]), 0, "said again it goes on");
+    let weak = WeatherControl { severity: 0, ..storm.clone() };
+    host.says([weak.into()]);
+    assert_eq!(host.sees().storms[0].flashes_per_minute, 1.0);
     host.says([WeatherControl { random_lightning_enable: false, ..storm }.into()]);
-    assert_eq!(host.scene.storms(), []);
+    assert_eq!(host.sees().storms, []);
+}
+
+#[test]
+fn a_storm_of_the_global_weather_goes_with_the_ownship_in_steps() {
+    let mut host = Host::new();
+    let storm = WeatherControl { random_lightning_enable: true, severity: 5, ..cloud(3, 6, 1_000.0, 8_000.0) };
+    host.says([ownship(47.0, 8.0, 900.0).into(), storm.into()]);
+    assert_eq!(host.sees().storms[0].latitude_deg, 47.0);
+    host.says([ownship(47.02, 8.0, 900.0).into()]);
+    assert_eq!(host.sees().storms[0].latitude_deg, 47.0, "2.2 km of 60 are not worth a command");
+    host.says([ownship(47.1, 8.0, 900.0).into()]);
+    assert_eq!(host.sees().storms[0].latitude_deg, 47.1);
 }

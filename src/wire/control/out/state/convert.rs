@@ -4,6 +4,7 @@ use super::{FlashOut, LayerOut, OwnshipOut, Player, RegionOut, SkyOut, StateMess
 use crate::geo::{Attitude, Geodetic};
 use crate::units::deg;
 use crate::wire::control::instant;
+use crate::wire::control::storm::StormMessage;
 use crate::world::snapshot::{
     FlashState, LayerState, OwnshipState, RegionState, SkyState, Snapshot, ViewState, WeatherState,
 };
@@ -23,6 +24,7 @@ impl StateMessage {
             weather: WeatherOut::from(&snapshot.weather),
             regions: snapshot.regions.iter().map(RegionOut::from).collect(),
             views: snapshot.views.iter().map(ViewOut::from).collect(),
+            storms: snapshot.storms.iter().map(StormMessage::from).collect(),
             flashes: snapshot.flashes.iter().map(FlashOut::from).collect(),
             sky: SkyOut::seen_from(&snapshot.ownship.position, &snapshot.sky),
             slices: snapshot.quality.slices,
