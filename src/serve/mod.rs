@@ -29,6 +29,7 @@ mod stages;
 mod statistics;
 mod step;
 mod strikes;
+mod thunder;
 mod world_task;
 
 pub use inside::with_server;

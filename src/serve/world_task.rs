@@ -9,6 +9,7 @@ use super::roles::ClientId;
 use super::stages::Stage;
 use super::step::{Outcome, StepGuard};
 use super::strikes::Strikes;
+use super::thunder::Listener;
 use crate::wire::control::out::Player;
 use crate::wire::limits;
 use crate::world::World;
@@ -66,6 +67,7 @@ pub(super) struct WorldTask {
     hub: Arc<Hub>,
     metrics: Arc<Metrics>,
     strikes: Arc<Strikes>,
+    listener: Listener,
     grower: Grower,
     rate_hz: f64,
     shutter_s: Option<f64>,
@@ -96,6 +98,7 @@ impl WorldTask {
         rate_hz: f64,
         shutter_s: Option<f64>,
     ) -> Self {
+        let listener = Listener::new(Arc::clone(&hub));
         let (followed, drawn) = (Instant::now(), Instant::now());
         let (lockstep, views, intervals_s) = (None, BTreeSet::new(), VecDeque::new());
         Self {
@@ -104,6 +107,7 @@ impl WorldTask {
             hub,
             metrics,
             strikes,
+            listener,
             grower: Grower::default(),
             rate_hz,
             shutter_s,
@@ -328,6 +332,7 @@ impl WorldTask {
             self.views = present;
         }
         self.metrics.set_simulation_time(self.world.simulation_time_s());
+        self.listener.hear(self.world.take_thunder());
         for id in self.world.finished_flashes() {
             // Nobody asked for a storm's flash: that nobody saw it is no news.
             if self.strikes.ended(id) && !is_of_storm(id) {

@@ -1,6 +1,7 @@
 //! Events and queries: what the world says back. The wire turns them into messages.
 
 use super::snapshot::Snapshot;
+use crate::geo::Geodetic;
 use std::sync::Arc;
 
 /// A client's mistake: what was wrong, and what would be right. Nothing has changed.
@@ -45,6 +46,21 @@ pub enum Applied {
     },
 }
 
+/// A piece of thunder.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThunderPiece {
+    /// Simulation time at which it begins to be heard.
+    pub at_s: f64,
+    /// Distance of its loudest part.
+    pub distance_m: f64,
+    /// Direction of that from true north, clockwise, 0 to 360.
+    pub bearing_deg: f64,
+    /// Height of that above the horizontal plane.
+    pub elevation_deg: f64,
+    /// Sound pressure level in decibels above 20 micropascals, the peaks of its parts added as energies.
+    pub level_db: f64,
+}
+
 /// Something that happened, told to whom it concerns.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
@@ -65,6 +81,17 @@ pub enum Event {
     StrikeMissed {
         /// The flash's number.
         id: u64,
+    },
+    /// What the ownship will hear of a flash.
+    Thunder {
+        /// The flash's number.
+        id: u64,
+        /// Where the ownship was when it began.
+        listener: Geodetic,
+        /// Simulation time at which the last of it has been heard.
+        end_s: f64,
+        /// Its pieces in the order in which they are heard, at least one.
+        pieces: Vec<ThunderPiece>,
     },
     /// The state asked for.
     State(Arc<Snapshot>),

@@ -24,6 +24,12 @@ pub(super) struct Ongoing<'a> {
 }
 
 impl Ongoing<'_> {
+    /// The same with strokes of its own.
+    pub fn into_owned(self) -> Ongoing<'static> {
+        let Self { id, position, kind, polarity, seed, begin_s, flash } = self;
+        Ongoing { id, position, kind, polarity, seed, begin_s, flash: Cow::Owned(flash.into_owned()) }
+    }
+
     /// Simulation time at which its last light ends.
     pub fn end_s(&self) -> f64 {
         self.begin_s + self.flash.duration_s()

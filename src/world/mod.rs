@@ -9,6 +9,7 @@ pub mod limits;
 pub mod regions;
 pub mod snapshot;
 pub mod storms;
+pub mod thunder;
 pub mod timeline;
 
 mod check;
@@ -39,6 +40,7 @@ use player::Player;
 use snapshot::{DeckForm, Quality};
 use state::State;
 use std::sync::Arc;
+use thunder::Thunder;
 
 /// The quality of a new world.
 pub const DEFAULT_QUALITY: Quality = Quality {
@@ -171,6 +173,12 @@ impl World {
     /// Limits strokes in any one second, of all flashes together; those that are too many give no light. `None`: no limit.
     pub fn set_flicker_guard(&mut self, guard: Option<FlickerGuard>) {
         self.guard = guard;
+    }
+
+    /// The flashes that have begun since the last call, with the ownship as their listener: for whoever tells their thunder. One
+    /// that began and ended in a single leap of the time may be missing.
+    pub fn take_thunder(&mut self) -> Vec<Thunder> {
+        self.state.take_thunder()
     }
 
     /// Numbers of the flashes that have ended since the last call, whether anybody saw them or not.

@@ -19,6 +19,7 @@ use super::regions::{self, Region};
 use super::snapshot::{FlashState, Quality, SkyState, Snapshot, ViewState};
 use super::storms::Storms;
 use super::strikes::Strikes;
+use super::thunder::Thunder;
 use super::views;
 use super::weather::Weather;
 
@@ -27,6 +28,9 @@ const STRIKE_ALTITUDE_WITHOUT_CLOUD_M: f64 = 2_000.0;
 
 /// Storms' channels are grown so long before their flashes begin.
 const GROWN_AHEAD_S: f64 = 1.0;
+
+/// Of a longer leap of the time only the end is looked through for flashes that began in it.
+const LONGEST_LEAP_S: f64 = 10.0;
 
 /// Which lights of the sky there are.
 #[derive(Clone, Copy, Debug)]
@@ -68,6 +72,8 @@ pub struct State {
     strikes: Strikes,
     channels: Channels,
     storms: Storms,
+    /// Up to when storms' flashes have been told for their thunder.
+    heard_s: f64,
     next_flash_id: u64,
 }
 
@@ -86,6 +92,7 @@ impl State {
             strikes: Strikes::default(),
             channels: Channels::default(),
             storms: Storms::default(),
+            heard_s: 0.0,
             next_flash_id,
         }
     }
@@ -169,6 +176,25 @@ impl State {
         self.channels.take_fresh()
     }
 
+    /// The flashes that have begun since the last call, and who listens.
+    pub fn take_thunder(&mut self) -> Vec<Thunder> {
+        let now_s = self.now_s;
+        let from_s = self.heard_s.max(now_s - LONGEST_LEAP_S);
+        self.heard_s = now_s;
+        let mut begun = self.strikes.take_begun(now_s);
+        begun.extend(self.storms.begun(from_s, now_s, |place| self.cloud_altitude_m(place)));
+        let listener = self.ownship.at(now_s).position;
+        let thunder = |flash: Ongoing<'_>| Thunder {
+            flash: flash.id,
+            begin_s: flash.begin_s,
+            ground: Geodetic { altitude_m: 0.0, ..flash.position },
+            listener,
+            channel: self.channel_of(&flash),
+            strokes: flash.flash.into_owned(),
+        };
+        begun.into_iter().map(thunder).collect()
+    }
+
     /// Numbers of the flashes that ended since the last call; those asked for one by one are kept for so many seconds more, for
     /// the guard against flicker to know of them.
     pub fn take_finished_flashes(&mut self, kept_s: f64) -> Vec<u64> {
@@ -189,6 +215,7 @@ impl State {
     pub fn inherit(&mut self, finished: VecDeque<u64>, next_flash_id: u64) {
         self.strikes.inherit_finished(finished, self.now_s);
         self.storms.tell_from(self.now_s);
+        self.heard_s = self.now_s;
         self.next_flash_id = next_flash_id;
     }
 

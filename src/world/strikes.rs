@@ -27,11 +27,26 @@ struct Pending {
     request: StrikeRequest,
     position: Geodetic,
     flash: Flash,
+    /// Whether its beginning has been told for its thunder.
+    heard: bool,
     /// `None`: begins with the next picture.
     begin_s: Option<f64>,
 }
 
 impl Pending {
+    /// One that waits for a picture is taken to begin at `begin_s`.
+    fn ongoing(&self, begin_s: f64) -> Ongoing<'_> {
+        Ongoing {
+            id: self.id,
+            position: self.position,
+            kind: self.request.kind,
+            polarity: self.request.polarity,
+            seed: self.request.seed,
+            begin_s: self.begin_s.unwrap_or(begin_s),
+            flash: Cow::Borrowed(&self.flash),
+        }
+    }
+
     fn over(&self, now_s: f64) -> bool {
         self.begin_s.is_some_and(|begin_s| begin_s + self.flash.duration_s() <= now_s)
     }
@@ -71,7 +86,7 @@ impl Strikes {
             longitude_rad: request.longitude_deg.to_radians(),
             altitude_m: request.altitude_m.unwrap_or(altitude_m),
         };
-        self.pending.push(Pending { id, request: request.clone(), position, flash, begin_s });
+        self.pending.push(Pending { id, request: request.clone(), position, flash, heard: false, begin_s });
         Ok(())
     }
 
@@ -84,15 +99,17 @@ impl Strikes {
 
     /// All flashes that may be under way or to come; those that wait for a picture are taken to begin at `begin_s`.
     pub(super) fn ongoing(&self, begin_s: f64) -> impl Iterator<Item = Ongoing<'_>> {
-        self.pending.iter().map(move |pending| Ongoing {
-            id: pending.id,
-            position: pending.position,
-            kind: pending.request.kind,
-            polarity: pending.request.polarity,
-            seed: pending.request.seed,
-            begin_s: pending.begin_s.unwrap_or(begin_s),
-            flash: Cow::Borrowed(&pending.flash),
-        })
+        self.pending.iter().map(move |pending| pending.ongoing(begin_s))
+    }
+
+    /// The flashes that have begun and were not told before.
+    pub(super) fn take_begun(&mut self, now_s: f64) -> Vec<Ongoing<'static>> {
+        let begun = |pending: &&mut Pending| !pending.heard && pending.begin_s.is_some_and(|begin_s| begin_s <= now_s);
+        let told = |pending: &mut Pending| {
+            pending.heard = true;
+            pending.ongoing(now_s).into_owned()
+        };
+        self.pending.iter_mut().filter(begun).map(told).collect()
     }
 
     /// Keeps flashes for so many seconds after they are over, before their numbers are told.

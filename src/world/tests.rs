@@ -367,7 +367,7 @@ fn strikes_out_of_bounds_are_refused() {
         world.apply(Command::Strike(strike())).unwrap();
     }
     assert_eq!(world.apply(Command::Strike(strike())).unwrap_err().field, "strike");
-    world.snapshot(0.1);
+    world.snapshot_at_once(0.1);
     world.advance_to(20.0);
     world.apply(Command::Strike(strike())).unwrap();
     assert_eq!(world.finished_flashes().len(), limits::MAX_PENDING_STRIKES);

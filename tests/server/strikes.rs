@@ -31,6 +31,36 @@ async fn the_event_names_the_first_frame_that_shows_it() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn thunder_is_told_with_the_times_of_its_pieces() {
+    let server = Server::start().await;
+    let mut host = server.host().await;
+    host.ask(json!({"type": "step", "to_s": 10.0})).await;
+    let at = json!({"type": "ownship", "latitude_deg": 47.1, "longitude_deg": 8.12, "altitude_m": 2.0, "yaw_deg": 0,
+        "pitch_deg": 0, "roll_deg": 0});
+    host.acked(at).await;
+    let flash = host.acked(strike(json!({"at_s": 10.05}))).await["flash"].clone();
+    // Beyond hearing: 111 km away.
+    host.acked(strike(json!({"at_s": 10.05, "latitude_deg": 48.1}))).await;
+    host.ask(json!({"type": "step", "to_s": 10.1})).await;
+    let thunder = host.event("thunder").await;
+    assert_eq!((&thunder["flash"], &thunder["longitude_deg"]), (&flash, &json!(8.12)));
+    let pieces = thunder["pieces"].as_array().unwrap();
+    assert!((2..=24).contains(&pieces.len()), "{pieces:?}");
+    let number = |piece: &Value, field: &str| piece[field].as_f64().unwrap();
+    assert!(pieces.windows(2).all(|pair| number(&pair[0], "at_s") < number(&pair[1], "at_s")));
+    // The ground point is 1518 m to the west; the channel above it bends towards the listener and away by some hundred metres.
+    let first = &pieces[0];
+    let after_s = number(first, "at_s") - 10.05;
+    assert!((2.5..5.0).contains(&after_s), "{first}");
+    for piece in pieces {
+        assert!((60.0..150.0).contains(&number(piece, "level_db")), "{piece}");
+        assert!((1_000.0..25_000.0).contains(&number(piece, "distance_m")), "{piece}");
+        assert!(number(piece, "at_s") <= number(&thunder, "end_s"));
+    }
+    server.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn while_running_free_as_well() {
     let server = Server::start().await;
     let mut host = server.host().await;

@@ -144,7 +144,8 @@ impl Session {
                 (asked, EVENT_STRIKE_SHOWN, *frame as u32)
             }
             Event::StrikeMissed { id } => (self.strikes.remove(id), EVENT_STRIKE_MISSED, u32::MAX),
-            Event::State(_) => return,
+            // CIGI has no packet for it.
+            Event::Thunder { .. } | Event::State(_) => return,
         };
         let Some((strike_id, current_ka)) = asked else { return };
         if self.scene.wants(event_id) {

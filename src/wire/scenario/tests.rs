@@ -124,7 +124,7 @@ fn a_timeline_comes_back_from_its_own_text() {
         r#"{"at": 0.6, "type": "strike", "latitude_deg": 1, "longitude_deg": 2, "flash_type": "intra_cloud", "strokes": [{"delay_s": 0, "peak_current_ka": 3}], "seed": 18446744073709551615}"#,
     ]);
     let timeline = parse(&text).expect("a good scenario");
-    assert_eq!(timeline.entries.len(), 7);
+    assert_eq!(timeline.entries.len(), 9);
     let strike = timeline.entries.iter().find_map(|entry| match &entry.command {
         Command::Strike(request) => Some(request),
         _ => None,
