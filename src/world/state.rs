@@ -198,6 +198,8 @@ impl State {
     /// Numbers of the flashes that ended since the last call; those asked for one by one are kept for so many seconds more, for
     /// the guard against flicker to know of them.
     pub fn take_finished_flashes(&mut self, kept_s: f64) -> Vec<u64> {
+        // Where nobody asks for pictures, channels end here.
+        self.channels.forget(self.now_s);
         self.strikes.keep(kept_s);
         let mut finished = self.strikes.take_finished(self.now_s);
         finished.extend(self.storms.take_finished(self.now_s));
