@@ -210,10 +210,10 @@ impl Illuminance {
         })
     }
 
-    /// Light that comes up from the ground under one of the columns, over 4 pi, lux per colour.
-    pub fn upwelling_lux(&self, column: usize) -> Vec3 {
-        let ground = self.columns[column].ground.horizontal_lux(self.source.z);
-        (ground * 0.13 + Vec3::new(1.0, 0.72, 0.42) * (0.08 * self.night)) * (2.0 * 0.079_577_47)
+    /// Light that comes up to layer `index` of one of the columns, from lower layers and the ground, over 4 pi, lux per colour.
+    pub fn upwelling_lux(&self, column: usize, index: usize) -> Vec3 {
+        let towns = Vec3::new(1.0, 0.72, 0.42) * (0.16 * self.night);
+        (self.columns[column].below_lux[index] + towns) * 0.079_577_47
     }
 }
 

@@ -129,7 +129,7 @@ impl Context<'_> {
             thickness_m: state.thickness_m as f32,
             sky_lux: (above.diffuse_lux * 0.079_577_47).into(),
             extinction_per_m: extinction,
-            ground_lux: self.light.upwelling_lux(column).into(),
+            ground_lux: self.light.upwelling_lux(column, index).into(),
             inverse_edge: 1.0 / look.edge,
             theta: threshold.offset,
             patchiness: threshold.patchiness,

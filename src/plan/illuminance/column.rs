@@ -49,11 +49,16 @@ pub struct Column {
     pub top: Level,
     /// Above each layer, by its index.
     pub above: Vec<Level>,
+    /// Light that comes up to each layer from what lies below it, by its index: lux per colour on a level plane.
+    pub below_lux: Vec<Vec3>,
     /// At the eye, were it under this weather.
     pub eye: Level,
     /// At the ground.
     pub ground: Level,
 }
+
+/// Share of its light that the ground sends back.
+const GROUND_ALBEDO: f32 = 0.13;
 
 impl Column {
     /// The light under layers that rise without overlap.
@@ -76,7 +81,13 @@ impl Column {
             direct_lux: lower(now.direct_lux, clear.ground.direct_lux, top.direct_lux),
             diffuse_lux: lower(now.diffuse_lux, clear.ground.diffuse_lux.max(0.9 * top.diffuse_lux), top.diffuse_lux),
         };
-        Self { top, above, eye, ground }
+        let mut up_lux = ground.horizontal_lux(mu) * GROUND_ALBEDO;
+        let mut below_lux = Vec::with_capacity(layers.len());
+        for (layer, above) in layers.iter().zip(&above) {
+            below_lux.push(up_lux);
+            up_lux = sent_up(layer, *above, up_lux, mu);
+        }
+        Self { top, above, below_lux, eye, ground }
     }
 }
 
@@ -86,16 +97,35 @@ fn filled(cover: f32) -> f32 {
     0.16 + 0.64 * cover.powi(4)
 }
 
+/// Light that leaves a layer upwards: what comes up through it, and what it sends back of the light from above.
+fn sent_up(layer: &LayerState, above: Level, below_lux: Vec3, mu: f32) -> Vec3 {
+    let cover = layer.coverage as f32;
+    let (from_source, from_sky) = diffuse_shares(layer, mu);
+    below_lux * (1.0 - cover + cover * from_sky)
+        + (above.direct_lux * (mu * (1.0 - from_source)) + above.diffuse_lux * (1.0 - from_sky)) * cover
+}
+
+/// Shares of the source's light at a cosine, and of even light from one side, that pass a layer's cloud (Eddington).
+fn diffuse_shares(layer: &LayerState, mu: f32) -> (f32, f32) {
+    let depth = depth(layer);
+    let reduced = 4.0 / 3.0 + (1.0 - ASYMMETRY) * depth;
+    (((2.0 / 3.0 + mu) / reduced).min(1.0), ((4.0 / 3.0) / reduced).min(1.0))
+}
+
+/// Optical depth of a layer where it has cloud.
+fn depth(layer: &LayerState) -> f32 {
+    let whole = layer.kind.appearance().extinction_per_m * (layer.density * layer.thickness_m) as f32;
+    filled(layer.coverage as f32) * whole
+}
+
 /// Light below a layer: what its gaps let through and what it transmits diffusely (Eddington, see `passes::light`).
 fn pass(layer: &LayerState, above: Level, mu: f32) -> Level {
     let cover = layer.coverage as f32;
-    let depth = filled(cover) * layer.kind.appearance().extinction_per_m * (layer.density * layer.thickness_m) as f32;
-    let reduced = 4.0 / 3.0 + (1.0 - ASYMMETRY) * depth;
-    let (from_source, from_sky) = ((2.0 / 3.0 + mu) / reduced, (4.0 / 3.0) / reduced);
+    let (depth, (from_source, from_sky)) = (depth(layer), diffuse_shares(layer, mu));
     Level {
         direct_lux: above.direct_lux * (1.0 - cover * (1.0 - (-depth / mu).exp())),
-        diffuse_lux: above.diffuse_lux * (1.0 - cover + cover * from_sky.min(1.0))
-            + above.direct_lux * (cover * mu * from_source.min(1.0)),
+        diffuse_lux: above.diffuse_lux * (1.0 - cover + cover * from_sky)
+            + above.direct_lux * (cover * mu * from_source),
     }
 }
 

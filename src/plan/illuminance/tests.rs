@@ -259,6 +259,20 @@ fn the_full_moon_lights_clouds_from_where_it_stands() {
 }
 
 #[test]
+fn a_white_layer_below_lights_the_one_above() {
+    let from_below = |lower: Vec<LayerState>| {
+        let mut noon = sunlit(55.0);
+        noon.weather.layers = lower;
+        noon.weather.layers.push(layer(CloudKind::Altocumulus, 4_500.0, 400.0));
+        let plan = plan(&noon, &noon.views[0], Output::LinearRgb);
+        plan.layers.last().map_or(0.0, |l| l.layer.ground_lux[1]) * 4.0 * std::f32::consts::PI
+    };
+    // Over open ground of albedo 0.13 under about 90 klx; over a sheet that sends back about two thirds of it.
+    let (ground, sheet) = (from_below(Vec::new()), from_below(overcast(CloudKind::Stratocumulus, 800.0, 800.0)));
+    assert!((8e3..1.4e4).contains(&ground) && (4e4..8e4).contains(&sheet), "{ground} {sheet}");
+}
+
+#[test]
 fn a_low_sun_lights_clouds_red_and_high_ones_longest() {
     let red = |elevation_deg: f64| {
         let (lux, _) = on_cumulus(&sunlit(elevation_deg));
