@@ -32,8 +32,8 @@ pub fn paths(channel: &StrikeChannel, ground: usize, branches: bool) -> Vec<Path
         let share = if line.order == 0 || length_m <= 0.0 { 1.0 } else { f64::from(light_m / length_m).min(1.0) };
         // A main line may lead to other ground points as well: its pieces that lead to this one.
         let mut run: Vec<[f64; 3]> = Vec::new();
-        for k in 1..points.len() {
-            let ours = points[k].grounds >> ground & 1 == 1 || line.order > 0 && points[k].grounds == 0;
+        for (k, point) in points.iter().enumerate().skip(1) {
+            let ours = point.grounds >> ground & 1 == 1 || line.order > 0 && point.grounds == 0;
             if ours {
                 if run.is_empty() {
                     run.push(metres(k - 1));
