@@ -18,8 +18,8 @@ fn scenario(other_views: bool, different_before: bool) -> String {
         view("main", "change", 0),
     ];
     if other_views {
-        entries.push(view("left", "add", 300));
-        entries.push(view("above", "add", 60));
+        entries.push(view("left", "create", 300));
+        entries.push(view("above", "create", 60));
     }
     if different_before {
         entries.push(r#"{"at": 0, "type": "weather", "layers": [{"cloud_type": "stratus", "base_m": 300, "thickness_m": 500, "coverage": 1}], "visibility_m": 3000}"#.to_owned());
