@@ -13,6 +13,7 @@ mod render;
 mod report;
 mod scenario;
 mod serve;
+mod sheet;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -38,6 +39,7 @@ enum Verb {
     Host(host::Options),
     Report(report::Options),
     Cigi(cigi::Options),
+    Sheet(sheet::Options),
 }
 
 /// Why a verb did not do what was asked.
@@ -73,6 +75,7 @@ pub fn main() -> ExitCode {
         Verb::Host(options) => host::run(&options),
         Verb::Report(options) => report::run(&options),
         Verb::Cigi(options) => cigi::run(&options),
+        Verb::Sheet(options) => sheet::run(&options),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
