@@ -7,6 +7,7 @@ use super::PassNote;
 use super::eye::Eye;
 use super::regions::NearRegion;
 use super::shadow::{self, ShadowPlan};
+use crate::geo::Geodetic;
 use crate::passes::common::{AIR_SCALE_M, Camera};
 use crate::passes::deck::{FLASHES, Flash};
 use crate::passes::ground::Ground;
@@ -53,7 +54,7 @@ impl Illuminance {
     pub fn new(snapshot: &Snapshot, eye: &Eye, view: &ViewState, regions: &[NearRegion]) -> Self {
         let sun = eye.direction(snapshot.sky.sun_direction_ecef);
         let moon = eye.direction(snapshot.sky.moon_direction_ecef);
-        let haze = VISIBILITY_DEPTH / visibility_m(snapshot).max(1.0) - 1.2e-5;
+        let haze = VISIBILITY_DEPTH / visibility_m(snapshot, &eye.position).max(1.0) - 1.2e-5;
         let air = Air { haze_per_m: haze.max(1e-7) as f32 };
         let lights = [
             Luminary {
@@ -217,10 +218,10 @@ impl Illuminance {
     }
 }
 
-/// Visibility at the ownship: the regions' where it is inside them, between the two by its logarithm in a transition.
-fn visibility_m(snapshot: &Snapshot) -> f64 {
+/// Visibility at a place: the regions' where it is inside them, between the two by its logarithm in a transition.
+fn visibility_m(snapshot: &Snapshot, place: &Geodetic) -> f64 {
     snapshot.regions.iter().fold(snapshot.weather.visibility_m, |around, region| {
-        let share = region.presence * weight_at(&region.shape, &snapshot.ownship.position);
+        let share = region.presence * weight_at(&region.shape, place);
         if share > 0.0 { around.powf(1.0 - share) * region.weather.visibility_m.powf(share) } else { around }
     })
 }

@@ -86,7 +86,7 @@ fn basis() -> Vec<u8> {
     let medium = Medium { cells: [3, 2, 2], spacing_m: [100.0; 3], extinction_per_m: vec![0.01; 12], periodic: false };
     let lights = Lights::even([2, 1, 1], medium.size_m(), 2.0, false).expect("lights");
     let packing = Packing { threshold: 1e-3, width: Width::F16 };
-    let params = Params { rays: 16, ..Params::default() };
+    let params = Params { rays: 64, ..Params::default() };
     let recipe = Recipe { medium, params, lights, content: Content::Total, packing };
     file::write(&Basis::bake(recipe).expect("a basis"))
 }

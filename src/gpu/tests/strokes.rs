@@ -118,7 +118,7 @@ fn a_wrong_shader_of_lightning_is_noticed() {
         ("veil", "depth += layer.extinction_per_m *", "depth += 0.6 * layer.extinction_per_m *", hidden),
         ("airlight", "source.intensity_cd / d", "1.5 * source.intensity_cd / d", OPEN),
         ("glow", "spread(here)) * glow.gain", "3.0 * spread(here)) * glow.gain", OPEN),
-        ("glow", "0.375 * (fine_at", "0.6 * (fine_at", OPEN),
+        ("glow", "0.375 * (fine_at", "0.9 * (fine_at", OPEN),
     ] {
         gpu.pipelines = broken(&gpu, module, right, wrong);
         let mean = apart(&format!("{module} made wrong"), &mut gpu, bolt);

@@ -325,6 +325,7 @@ fn strikes() -> Vec<Case> {
     let stroke = |field: &'static str, at: &str, value: Value| {
         case(field, &before, listed.clone(), with(&listed, at, value), 5.0)
     };
+    let late = with(&message, "/at_s", json!(5.03));
     vec![
         one("strike.latitude_deg", "/latitude_deg", json!(47.1)),
         one("strike.longitude_deg", "/longitude_deg", json!(8.05)),
@@ -347,6 +348,7 @@ fn strikes() -> Vec<Case> {
             with(&weak, "/strokes/0/continuing_s", json!(1.0)),
             5.0,
         ),
-        one("strike.leader", "/leader", json!(true)),
+        // A leader takes longer than what is left of the interval, so that the stroke is not in it.
+        case("strike.leader", &before, late.clone(), with(&late, "/leader", json!(true)), 5.0),
     ]
 }
