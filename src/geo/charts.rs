@@ -53,6 +53,21 @@ pub fn around_eye_m(point: DVec3) -> DVec2 {
     DVec2::new(point.x, point.y) * (2.0 * MEAN_RADIUS_M / (point.length() + point.z))
 }
 
+/// The place (latitude and longitude of its zenith, in radians) at a coordinate of a chart.
+pub fn place_of(chart: usize, coordinate_m: DVec2) -> (f64, f64) {
+    let w = coordinate_m / (2.0 * MEAN_RADIUS_M * CENTRE_SCALE);
+    let squared = w.length_squared();
+    let local = DVec3::new(2.0 * w.x, 2.0 * w.y, 1.0 - squared) / (1.0 + squared);
+    let zenith = AXES[chart] * local;
+    (zenith.z.atan2(zenith.x.hypot(zenith.y)), zenith.y.atan2(zenith.x))
+}
+
+/// The coordinate in a chart of the place with this zenith (unit vector, ECEF), metres; far off at the chart's antipode.
+pub fn coordinate_of(chart: usize, zenith: DVec3) -> DVec2 {
+    let local = AXES[chart].transpose() * zenith;
+    DVec2::new(local.x, local.y) * (2.0 * MEAN_RADIUS_M * CENTRE_SCALE / (1.0 + local.z).max(1e-6))
+}
+
 /// The charts that have weight anywhere within `extent_m` of the eye (up to 1000 km), nearest first, at most 3.
 ///
 /// `eye_ecef_unit` is the eye's direction on the sphere and its axis "up" (the zenith, if zeniths stand for places); `east` is made

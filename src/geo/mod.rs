@@ -1,8 +1,11 @@
-//! The globe in f64: WGS84, local frames, charts for cloud textures, sun and moon.
+//! The globe in f64: WGS84, local frames, charts for cloud textures, coast, cities, stars, sun and moon.
 
 pub mod celestial;
 pub mod charts;
+pub mod cities;
+pub mod coast;
 pub mod frames;
+pub mod stars;
 pub mod wgs84;
 
 /// A point on or above the WGS84 ellipsoid.

@@ -1,7 +1,8 @@
-//! Periodic noise: gradient noise and cellular (Worley) noise on lattices that wrap, so that a tile repeats without seam.
+//! Noise: gradient and cellular (Worley) noise on lattices that wrap, so that a tile repeats without seam; gradient noise in
+//! endless space for what lies on the globe.
 
 use super::hash::{pcg3d, unit};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// Gradient noise (Perlin 2002, quintic fade) of period `period` lattice cells per axis, about -1 to 1.
 pub fn gradient(p: Vec3, period: [u32; 3], seed: u32) -> f32 {
@@ -21,6 +22,25 @@ pub fn gradient(p: Vec3, period: [u32; 3], seed: u32) -> f32 {
     let face =
         |dz| lerp(lerp(corner(0, 0, dz), corner(1, 0, dz), s.x), lerp(corner(0, 1, dz), corner(1, 1, dz), s.x), s.y);
     lerp(face(0), face(1), s.z)
+}
+
+/// Gradient noise (Perlin 2002, quintic fade) in space without a period, about -1 to 1; 1.5 times as strong as [`gradient`].
+/// Coordinates in lattice cells, up to 2^31 either way.
+pub fn spatial(p: DVec3, seed: u32) -> f64 {
+    let cell = p.floor();
+    let f = (p - cell).as_vec3();
+    let [x, y, z] = [cell.x, cell.y, cell.z].map(|v| v as i32 as u32);
+    let salt = seed.wrapping_mul(0x9e37_79b9);
+    let corner = |dx: u32, dy: u32, dz: u32| {
+        let h = pcg3d(x.wrapping_add(dx), y.wrapping_add(dy).wrapping_add(salt), z.wrapping_add(dz));
+        let g = Vec3::new(unit(h[0]), unit(h[1]), unit(h[2])) * 2.0 - Vec3::ONE;
+        g.dot(f - Vec3::new(dx as f32, dy as f32, dz as f32))
+    };
+    let s = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
+    let lerp = |a: f32, b: f32, t: f32| a + (b - a) * t;
+    let face =
+        |dz| lerp(lerp(corner(0, 0, dz), corner(1, 0, dz), s.x), lerp(corner(0, 1, dz), corner(1, 1, dz), s.x), s.y);
+    f64::from(lerp(face(0), face(1), s.z)) * 1.5
 }
 
 /// Sum of `octaves` of [`gradient`], each of twice the frequency and half the amplitude; about -1 to 1.

@@ -75,6 +75,21 @@ fn the_moebius_form_is_the_plain_projection() {
 }
 
 #[test]
+fn a_coordinate_has_one_place() {
+    for (k, up) in sphere(500).enumerate() {
+        let axes = axes_at(up);
+        for view in charts_near(up, axes.x_axis, axes.y_axis, DQuat::IDENTITY, 100_000.0) {
+            let (latitude_rad, longitude_rad) = place_of(view.chart, view.origin_m);
+            let back = enu(&Geodetic { latitude_rad, longitude_rad, altitude_m: 0.0 }).z_axis;
+            // f64 of 6e6 m, a few times over.
+            assert!((back - up).length() < 1e-14 * 10.0, "{k}: {back} {up}");
+            // The same of the sphere's radius.
+            assert!((coordinate_of(view.chart, up) - view.origin_m).length() < 1e-6, "{k}");
+        }
+    }
+}
+
+#[test]
 fn weights_add_up_with_at_most_three_and_true_scale() {
     let (mut low, mut high, mut most) = (f64::MAX, f64::MIN, 0);
     for point in sphere(100_000) {
