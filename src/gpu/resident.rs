@@ -13,8 +13,8 @@ use crate::passes::shadow::{Columns, shade};
 use crate::passes::sky::table::{self, TableParams};
 use std::collections::VecDeque;
 
-/// Light volumes kept at once (about 8 MiB each), or as many as one picture needs.
-pub const VOLUMES_KEPT: usize = 16;
+/// Light volumes kept at once (2 MiB for each theta in 8 bits), or as many as one picture needs.
+pub const VOLUMES_KEPT: usize = 4;
 
 /// A genus's shape values and their bounds by column.
 #[derive(Clone)]

@@ -27,8 +27,8 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Light volumes kept at once (about 8 MiB each), or as many as one picture needs.
-const VOLUMES_KEPT: usize = 16;
+/// Light volumes kept at once (2 MiB for each theta in 8 bits), or as many as one picture needs.
+const VOLUMES_KEPT: usize = 4;
 
 /// Plays plans on the CPU.
 #[derive(Default)]
