@@ -27,10 +27,19 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// The shape of channels of cells of this size: crooked down to 4 m, so that a bolt is crisp at 500 m.
+    /// The shape of channels of cells of this size: crooked down to 4 m, so that a bolt is crisp at 500 m, or down to a 32nd of
+    /// a large cell, so that a channel from any height has about as many points.
     pub fn of_cells(cell_m: f64) -> Self {
         let appearance = Appearance::default();
-        Self { cell_m, jitter: 0.35, smoothing: 1, pieces: 1, finest_m: 4.0, tortuosity: 1.0, appearance }
+        Self {
+            cell_m,
+            jitter: 0.35,
+            smoothing: 1,
+            pieces: 1,
+            finest_m: (cell_m / 32.0).max(4.0),
+            tortuosity: 1.0,
+            appearance,
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use super::air::{Air, AirLayer, AirMass};
 use super::field::Field;
 use crate::geo::Geodetic;
 use crate::world::regions::weight_at;
-use crate::world::snapshot::{LayerState, Snapshot};
+use crate::world::snapshot::{LayerState, Snapshot, WeatherState};
 use glam::Vec3;
 
 /// Optical depth of a visibility: contrast of 5 %, as everywhere in the house.
@@ -65,13 +65,20 @@ fn carried(snapshot: &Snapshot, point: &Geodetic, air: AirMass) -> AirMass {
     let shares = snapshot.regions.iter().map(|region| region.presence * weight_at(&region.shape, point));
     let around: f64 = shares.clone().map(|share| 1.0 - share).product();
     let weathers = snapshot.regions.iter().map(|region| &region.weather).zip(shares);
-    std::iter::once((&snapshot.weather, around)).chain(weathers).fold(air, |air, (weather, share)| {
+    let by = |weather: &WeatherState| {
         let inside =
             |layer: &&LayerState| (layer.base_m..=layer.base_m + layer.thickness_m).contains(&point.altitude_m);
-        weather.layers.iter().find(inside).map_or(air, |layer| {
-            let there = AirMass { wind_speed_mps: layer.wind_speed_mps, wind_from_deg: layer.wind_from_deg, ..air };
-            mix(&air, &there, share)
+        weather.layers.iter().find(inside).map_or(air, |layer| AirMass {
+            wind_speed_mps: layer.wind_speed_mps,
+            wind_from_deg: layer.wind_from_deg,
+            ..air
         })
+    };
+    // Each weather by its share of all, one after the other: the share of what has been mixed so far falls as it should.
+    let mut total = around;
+    weathers.fold(by(&snapshot.weather), |mixed, (weather, share)| {
+        total += share;
+        if share > 0.0 { mix(&mixed, &by(weather), share / total) } else { mixed }
     })
 }
 
@@ -127,7 +134,7 @@ fn mix(a: &AirMass, b: &AirMass, share: f64) -> AirMass {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::scenes::{clear_day, place};
+    use crate::plan::scenes::{clear_day, place, region};
 
     #[test]
     fn the_standard_atmosphere_is_that_of_its_tables() {
@@ -192,6 +199,32 @@ mod tests {
         // A vector of length 12 turned into speed and direction and back: rounding alone.
         assert!((speed - 12.0).abs() < 1e-12 && (from - 250.0).abs() < 1e-9, "{speed} {from}");
         assert_eq!((wind(900.0).0, wind(2_100.0).0), (0.0, 0.0), "nobody has said anything of the air around it");
+    }
+
+    #[test]
+    fn a_wind_that_is_the_same_on_both_sides_of_a_transition_is_the_same_in_it() {
+        let mut snapshot = clear_day();
+        let deck = LayerState { wind_speed_mps: 12.0, wind_from_deg: 250.0, ..layer_state(1_000.0) };
+        snapshot.weather.layers = vec![deck];
+        let mut region = region(47.0, 8.0, 20_000.0, 10_000.0);
+        region.weather.layers = vec![deck];
+        snapshot.regions = vec![region.clone(), region];
+        let speed = |snapshot: &Snapshot, longitude_deg: f64| {
+            conditions(snapshot, &Air::default(), &place(47.0, longitude_deg, 1_500.0)).air.wind_speed_mps
+        };
+        // Inside, in the transition, outside; two regions over one another.
+        let places = [8.0, 8.17, 8.19, 8.21, 8.6];
+        for longitude_deg in places {
+            assert!((speed(&snapshot, longitude_deg) - 12.0).abs() < 1e-9, "{longitude_deg}");
+        }
+        // Still air inside: the wind falls from outside in.
+        snapshot.regions.iter_mut().for_each(|region| region.weather.layers.clear());
+        let falling = places.map(|longitude_deg| speed(&snapshot, longitude_deg));
+        assert!(falling.windows(2).all(|pair| pair[0] <= pair[1]), "{falling:?}");
+        assert!(
+            falling[0] < 1e-9 && falling[2] > 0.1 && falling[2] < 11.9 && (falling[4] - 12.0).abs() < 1e-9,
+            "{falling:?}"
+        );
     }
 
     fn layer_state(base_m: f64) -> LayerState {

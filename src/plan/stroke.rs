@@ -21,6 +21,8 @@ use project::Projection;
 
 /// Detail below this share of a pixel is left out of a channel: a point that comes or goes moves its line by no more.
 const FINEST_PX: f64 = 0.25;
+/// Channels of one picture at most: of more the strongest at the eye, each of which outshines what is left out.
+const MOST_CHANNELS: usize = 64;
 /// Stretches of all channels of one picture at most (some 2 MiB): where there would be more, they become coarser.
 const MOST_SEGMENTS: usize = 40_000;
 /// Fineness at which a channel's distance and strength are found, m.
@@ -86,6 +88,7 @@ pub fn strokes(snapshot: &Snapshot, eye: &Eye, camera: &Camera, notes: &mut Vec<
     }
     // In the order of their strength, the flashes' order where it is equal.
     shining.sort_by(|a, b| b.strength.total_cmp(&a.strength));
+    shining.truncate(MOST_CHANNELS);
     let projection = Projection::new(camera);
     let finest = finest(&shining, &projection);
     let mut drawing = Drawing { camera, projection, segments: Vec::new(), nodes: Vec::new() };

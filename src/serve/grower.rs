@@ -2,6 +2,7 @@
 
 use crate::world::growing::Growing;
 use std::collections::VecDeque;
+use std::panic::AssertUnwindSafe;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
 /// What is still to be grown. At most one thread grows at a time: a thousand strikes in a second take turns on one core.
@@ -44,7 +45,10 @@ fn work(queue: &Mutex<Queue>) {
         };
         let Some(next) = next else { break };
         if let Some(growing) = next.upgrade() {
-            growing.grow();
+            // A fault in one channel must not end the growth of all: that flash stays without one.
+            if std::panic::catch_unwind(AssertUnwindSafe(|| growing.grow())).is_err() {
+                tracing::error!("a channel could not be grown; its flash is shown without");
+            }
         }
     }
 }

@@ -3,6 +3,7 @@
 use super::hub::Hub;
 use crate::world::thunder::Thunder;
 use std::collections::VecDeque;
+use std::panic::AssertUnwindSafe;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Flashes whose thunder waits to be worked out; of more, the oldest go untold.
@@ -18,6 +19,8 @@ pub(super) struct Listener {
 struct Queue {
     waiting: VecDeque<Thunder>,
     at_work: bool,
+    /// That it could not keep up has been said; until the queue has been empty.
+    behind: bool,
 }
 
 impl Listener {
@@ -36,7 +39,9 @@ impl Listener {
         let too_many = queue.waiting.len().saturating_sub(MOST_WAITING);
         if too_many > 0 {
             queue.waiting.drain(..too_many);
-            tracing::warn!(flashes = too_many, "more flashes than their thunder can be worked out for");
+            if !std::mem::replace(&mut queue.behind, true) {
+                tracing::warn!("more flashes than their thunder can be worked out for: the oldest are left out");
+            }
         }
         if !queue.waiting.is_empty() && !std::mem::replace(&mut queue.at_work, true) {
             let (queue, hub) = (Arc::clone(&self.queue), Arc::clone(&self.hub));
@@ -52,11 +57,15 @@ fn work(queue: &Mutex<Queue>, hub: &Hub) {
             let mut queue = lock(queue);
             let next = queue.waiting.pop_front();
             queue.at_work = next.is_some();
+            queue.behind &= next.is_some();
             next
         };
         let Some(next) = next else { break };
-        if let Some(event) = next.event() {
-            hub.tell(&event);
+        // A fault in one flash must not silence all thunder.
+        match std::panic::catch_unwind(AssertUnwindSafe(|| next.event())) {
+            Ok(Some(event)) => hub.tell(&event),
+            Ok(None) => {}
+            Err(_) => tracing::error!("the thunder of a flash could not be worked out"),
         }
     }
 }

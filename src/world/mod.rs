@@ -31,6 +31,7 @@ pub use event::{Applied, Event, Refused};
 pub use snapshot::Snapshot;
 pub use timeline::{TimedCommand, Timeline};
 
+use crate::lightning::flash::LONGEST_FLASH_S;
 use crate::lightning::guard::FlickerGuard;
 use crate::lightning::strike::StrikeChannel;
 use crate::passes::light::encoding::Encoding;
@@ -183,7 +184,8 @@ impl World {
 
     /// Numbers of the flashes that have ended since the last call, whether anybody saw them or not.
     pub fn finished_flashes(&mut self) -> Vec<u64> {
-        let kept_s = self.guard.map_or(0.0, |guard| guard.memory_s());
+        // A stroke is judged by those before it, and its current may flow on for as long as a flash lasts.
+        let kept_s = self.guard.map_or(0.0, |guard| guard.memory_s() + LONGEST_FLASH_S);
         self.state.take_finished_flashes(kept_s)
     }
 

@@ -68,7 +68,9 @@ impl Strikes {
     ) -> Result<(), Refused> {
         check_request(request, now_s)?;
         self.settle(now_s);
-        check::at_most("strike", self.pending.len() + 1, limits::MAX_PENDING_STRIKES, "flashes waiting or under way")?;
+        // Those that are only remembered for a guard do not count.
+        let waiting = self.pending.iter().filter(|pending| !pending.over(now_s)).count();
+        check::at_most("strike", waiting + 1, limits::MAX_PENDING_STRIKES, "flashes waiting or under way")?;
         let flash = match &request.strokes {
             Strokes::Sample => {
                 Flash::sample(request.kind, request.polarity, request.peak_current_ka, request.leader, request.seed)
