@@ -57,6 +57,10 @@ async fn thunder_is_told_with_the_times_of_its_pieces() {
         assert!((1_000.0..25_000.0).contains(&number(piece, "distance_m")), "{piece}");
         assert!(number(piece, "at_s") <= number(&thunder, "end_s"));
     }
+    // Thunder is told in the order of the flashes: the next is that of a third, near one.
+    let third = host.acked(strike(json!({"at_s": 10.15}))).await["flash"].clone();
+    host.ask(json!({"type": "step", "to_s": 10.2})).await;
+    assert_eq!(host.event("thunder").await["flash"], third, "the far one is not heard");
     server.stop().await;
 }
 
