@@ -238,8 +238,8 @@ impl Session {
                 Outbound::State(Box::new(StateMessage::new(seq, &state.snapshot, state.player)))
             }
             Query::Plan { view } => {
-                let state = self.state().await?;
-                let plan = outputs::plan_of(&state.snapshot, &view)?;
+                let named = view.clone();
+                let plan = self.work_out(move |snapshot, _| outputs::plan_of(snapshot, &named)).await??;
                 Outbound::Plan(PlanMessage::new(seq, &view, &plan))
             }
             Query::Statistics => Outbound::Statistics(statistics::statistics(&self.app, seq)),
