@@ -241,4 +241,4 @@ impl Executor for ReferenceExecutor {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

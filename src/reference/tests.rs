@@ -100,4 +100,4 @@ fn every_hundredth_of_coverage_hides_no_less() {
     }
 }
 
-mod strokes;
+pub(crate) mod strokes;

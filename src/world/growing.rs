@@ -2,6 +2,7 @@
 
 use crate::lightning::strike::{StrikeChannel, StrikeSpec, grow_strike};
 use crate::lightning::tables::Tables;
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
@@ -44,6 +45,15 @@ impl Growing {
     pub fn done(&self) -> bool {
         self.channel.get().is_some()
     }
+}
+
+/// Grows those of several channels that are not there yet, on all cores: a picture that waits for a thousand at once waits for
+/// its turn on each core, not on one. Each is a function of its own specification, so that the order does not matter.
+pub(super) fn grow_all<'a>(channels: impl Iterator<Item = &'a Arc<Growing>>) {
+    let missing: Vec<&Growing> = channels.map(Arc::as_ref).filter(|growing| !growing.done()).collect();
+    missing.par_iter().for_each(|growing| {
+        growing.grow();
+    });
 }
 
 /// The channels of all flashes that are not over, by the flashes' numbers. Clones share them, so that a look ahead grows

@@ -33,7 +33,6 @@ pub use timeline::{TimedCommand, Timeline};
 
 use crate::lightning::flash::LONGEST_FLASH_S;
 use crate::lightning::guard::FlickerGuard;
-use crate::lightning::strike::StrikeChannel;
 use crate::passes::light::encoding::Encoding;
 use command::ScenarioEdit;
 use growing::Growing;
@@ -124,19 +123,19 @@ impl World {
     /// Channels of flashes that have not been grown are grown here, a few milliseconds each.
     pub fn snapshot(&mut self, shutter_s: f64) -> Snapshot {
         self.begin_snapshot();
-        self.look(shutter_s, Growing::grow)
+        self.look(shutter_s, true)
     }
 
     /// The same without waiting for any channel: flashes whose channel is not there yet light clouds and ground alone, and the
     /// snapshot is provisional ([`Snapshot::provisional`]).
     pub fn snapshot_at_once(&mut self, shutter_s: f64) -> Snapshot {
         self.begin_snapshot();
-        self.look(shutter_s, Growing::grown)
+        self.look(shutter_s, false)
     }
 
     /// The same without counting it or beginning anything: for an answer to somebody who asks, not for a picture.
     pub fn peek(&self, shutter_s: f64) -> Snapshot {
-        self.look(shutter_s, Growing::grown)
+        self.look(shutter_s, false)
     }
 
     /// Channels that are still to be grown, each given out once: whoever takes them may grow them on any thread.
@@ -149,12 +148,18 @@ impl World {
         self.state.begin_strikes();
     }
 
-    fn look(&self, shutter_s: f64, grown: fn(&Growing) -> Option<Arc<StrikeChannel>>) -> Snapshot {
+    /// `wait`: channels that are not there yet are grown first.
+    fn look(&self, shutter_s: f64, wait: bool) -> Snapshot {
         let shutter_s = if shutter_s > 0.0 { shutter_s.min(limits::SIMULATION_TIME_S[1]) } else { 0.0 };
         let mut snapshot = self.state.snapshot(self.snapshots, shutter_s, self.quality);
         snapshot.flashes = self.player.flashes(&self.state, snapshot.shutter_s, self.guard);
-        for flash in snapshot.flashes.iter_mut().filter(|flash| !flash.lights.is_empty()) {
-            flash.channel = grown(&self.state.channel(flash));
+        let giving = snapshot.flashes.iter_mut().filter(|flash| !flash.lights.is_empty());
+        let giving: Vec<_> = giving.map(|flash| (self.state.channel(flash), flash)).collect();
+        if wait {
+            growing::grow_all(giving.iter().map(|(channel, _)| channel));
+        }
+        for (channel, flash) in giving {
+            flash.channel = channel.grown();
         }
         snapshot
     }

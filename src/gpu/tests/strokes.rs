@@ -125,3 +125,9 @@ fn a_wrong_shader_of_lightning_is_noticed() {
         assert!(mean > 0.02, "{module} with {wrong:?} differs by {mean} only");
     }
 }
+
+#[test]
+fn a_flash_gives_a_picture_the_same_light_at_24_60_and_120_hz() {
+    // Each value is rounded to f16, by 2^-12 of itself at random, and thousands of them are summed.
+    crate::reference::tests::strokes::the_same_light_at_all_rates(&mut gpu(), 1e-3);
+}

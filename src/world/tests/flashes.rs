@@ -166,7 +166,9 @@ fn a_thousand_strikes_in_one_second_are_all_taken_shine_and_end() {
     let mut lit = std::collections::BTreeSet::new();
     for frame in 0..180 {
         world.advance_to(f64::from(frame) / 60.0);
-        let flashes = world.peek(1.0 / 60.0).flashes;
+        let flashes = world.snapshot(1.0 / 60.0).flashes;
+        let shown = flashes.iter().filter(|flash| !flash.lights.is_empty());
+        assert!(shown.clone().all(|flash| flash.channel.is_some()), "a picture waits for its channels");
         lit.extend(flashes.iter().filter(|flash| flash.intensity_cd > 0.0).map(|flash| flash.id));
     }
     assert_eq!(lit.len(), 1_000);
