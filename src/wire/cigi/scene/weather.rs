@@ -1,5 +1,6 @@
 //! Weather: layers of the globe, of regions and of entities become cloud layers, regions and storms.
 
+use super::entities::OWNSHIP;
 use super::storm::{Storm, near as near_storm};
 use super::{Convention, Entities, half_turn};
 use crate::outputs::air::{Air, AirMass};
@@ -10,9 +11,11 @@ use crate::wire::limits::{CIGI_REGIONS, CIGI_WEATHER_LAYERS};
 use crate::world::command::{Command, LayerSpec, RegionShape, StormRequest, WeatherEdit};
 use crate::world::event::Refused;
 use crate::world::limits::{MAX_REGIONS, MAX_STORMS, REGION_SIZE_M, REGION_TRANSITION_M, VISIBILITY_M};
+use nearest::nearest;
 use std::collections::BTreeMap;
 
 pub mod clouds;
+mod nearest;
 
 /// Side of the square that an entity's weather fills, with corners so round that it is a disc.
 const ENTITY_WEATHER_M: f64 = 20_000.0;
@@ -132,12 +135,14 @@ impl Weather {
 
     /// What the world is to hear.
     pub fn commands(&mut self, entities: &Entities) -> Vec<Command> {
-        // What goes with an entity, and a storm of the global weather with the ownship, has to be looked after.
+        // What goes with an entity, and a storm of the global weather with the ownship, has to be looked after; and of more
+        // than the world draws those near the ownship.
         let follows = self.layers.iter().any(|((place, _), said)| match place {
             Place::Entity(_) => true,
             Place::Global => said.packet.random_lightning_enable,
             Place::Region(_) => false,
-        });
+        }) || self.regions.len() > MAX_REGIONS
+            || self.raging().nth(MAX_STORMS).is_some();
         if !std::mem::take(&mut self.changed) && !follows {
             return Vec::new();
         }
@@ -176,9 +181,11 @@ impl Weather {
         commands
     }
 
-    /// What the world is to hear of storms: as many as it has room for.
+    /// What the world is to hear of storms: as many as it has room for, those near the ownship.
     fn storm_commands(&mut self, entities: &Entities, commands: &mut Vec<Command>) {
-        let requests = self.storms(entities).into_iter().take(MAX_STORMS).map(|storm| storm.request());
+        let ownship = entities.pose(OWNSHIP).map(|pose| pose.position);
+        let storms = nearest(self.storms(entities), ownship.as_ref(), MAX_STORMS, |storm| &storm.shape);
+        let requests = storms.into_iter().map(|storm| storm.request());
         let mut wanted: BTreeMap<String, StormRequest> = requests.map(|storm| (storm.name.clone(), storm)).collect();
         for name in self.heard_storms.keys().filter(|name| !wanted.contains_key(*name)) {
             commands.push(Command::RemoveStorm { name: name.clone() });
@@ -229,8 +236,8 @@ impl Weather {
 
     /// The storms that rage: layers with random lightning.
     pub fn storms(&self, entities: &Entities) -> Vec<Storm> {
-        let raging = self.layers.iter().filter(|(_, said)| said.packet.random_lightning_enable);
-        raging.filter_map(|((place, layer), said)| self.storm(*place, *layer, &said.packet, entities)).collect()
+        let storm = |((place, layer), said): (&(Place, u8), &Said)| self.storm(*place, *layer, &said.packet, entities);
+        self.raging().filter_map(storm).collect()
     }
 
     /// A storm of the weather of a place, for a single strike: in its first layer with cloud.
@@ -264,7 +271,7 @@ impl Weather {
     /// The ground on which a place's storm rages.
     fn shape_of(&self, place: Place, entities: &Entities) -> Option<RegionShape> {
         match place {
-            Place::Global => entities.pose(super::entities::OWNSHIP).map(|pose| RegionShape {
+            Place::Global => entities.pose(OWNSHIP).map(|pose| RegionShape {
                 name: String::new(),
                 latitude_deg: deg(pose.position.latitude_rad),
                 longitude_deg: deg(pose.position.longitude_rad),
@@ -278,7 +285,7 @@ impl Weather {
         }
     }
 
-    /// Regions and entities that have weather, as many as the world draws, with their outlines and whether they keep the
+    /// Regions and entities that have weather, as many as the world draws (the nearest to the ownship), with their outlines and whether they keep the
     /// weather around them.
     fn places(&self, entities: &Entities) -> Vec<(Place, RegionShape, bool)> {
         const ACTIVE: u8 = 1;
@@ -304,7 +311,12 @@ impl Weather {
             }
             _ => None,
         });
-        regions.chain(carried).take(MAX_REGIONS).collect()
+        let ownship = entities.pose(OWNSHIP).map(|pose| pose.position);
+        nearest(regions.chain(carried).collect(), ownship.as_ref(), MAX_REGIONS, |(_, shape, _)| shape)
+    }
+
+    fn raging(&self) -> impl Iterator<Item = (&(Place, u8), &Said)> {
+        self.layers.iter().filter(|(_, said)| said.packet.random_lightning_enable)
     }
 
     fn said_of(&self, place: Place) -> impl Iterator<Item = &Said> {

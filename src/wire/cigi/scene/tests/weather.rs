@@ -193,6 +193,45 @@ fn random_lightning_is_a_seeded_storm_inside_its_extent() {
 }
 
 #[test]
+fn of_many_regions_and_storms_the_world_has_those_near_the_ownship() {
+    let mut host = Host::new();
+    let storm =
+        WeatherControl { scope: 1, random_lightning_enable: true, severity: 5, ..cloud(1, 6, 1_000.0, 8_000.0) };
+    host.says([ownship(47.0, 25.0, 900.0).into()]);
+    for id in 0..40_u16 {
+        let region = EnvironmentalRegionControl {
+            region_id: id,
+            region_state: 1,
+            latitude: 47.0,
+            longitude: f64::from(id),
+            size_x: 30_000.0,
+            size_y: 10_000.0,
+            ..Default::default()
+        };
+        host.says([region.into(), WeatherControl { entity_region_id: id, ..storm.clone() }.into()]);
+    }
+    // Sixteen of a degree each, as many on either side of the ownship as there are.
+    for (at, there) in [(25.1, 18..34_u16), (3.0, 0..16)] {
+        host.says([ownship(47.0, at, 900.0).into()]);
+        host.world.advance_to(30.0 - at);
+        let (mut regions, mut storms): (Vec<_>, Vec<_>) = (
+            host.sees().regions.iter().map(|region| region.shape.name.clone()).collect(),
+            host.sees().storms.iter().map(|storm| storm.name.clone()).collect(),
+        );
+        regions.sort();
+        storms.sort();
+        let named = |name: fn(u16) -> String| {
+            let mut names: Vec<_> = there.clone().map(name).collect();
+            names.sort();
+            names
+        };
+        assert_eq!(regions, named(|id| format!("region-{id}")));
+        assert_eq!(storms, named(|id| format!("cigi-region-{id}-1")));
+    }
+    assert!(host.refused.is_empty(), "{:?}", host.refused);
+}
+
+#[test]
 fn a_storm_of_the_global_weather_goes_with_the_ownship_in_steps() {
     let mut host = Host::new();
     let storm = WeatherControl { random_lightning_enable: true, severity: 5, ..cloud(3, 6, 1_000.0, 8_000.0) };
