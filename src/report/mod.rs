@@ -26,6 +26,7 @@ mod run;
 mod scattering;
 mod scene;
 mod shadow;
+mod sky;
 mod stability;
 mod subject;
 mod table;
@@ -46,6 +47,7 @@ pub fn subjects() -> &'static [Subject] {
     &[
         deck::SUBJECT,
         shadow::SUBJECT,
+        sky::SUBJECT,
         encode::SUBJECT,
         lightning::SUBJECT,
         scattering::SUBJECT,

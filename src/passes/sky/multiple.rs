@@ -17,7 +17,7 @@ use std::f32::consts::{FRAC_1_PI, PI};
 use std::sync::OnceLock;
 
 /// Reflectance of the ground from which light goes up again.
-const GROUND_ALBEDO: f32 = 0.15;
+pub const GROUND_ALBEDO: f32 = 0.15;
 const HEIGHTS: usize = 16;
 const COSINES: usize = 64;
 /// Rays from a point: so many elevations, and azimuths on one side of the light.
@@ -36,6 +36,11 @@ type Table = Vec<Vec3>;
 pub struct HigherOrders(Table);
 
 impl HigherOrders {
+    /// None: a sky that scatters light once.
+    pub fn none() -> Self {
+        Self(vec![Vec3::splat(DARK.ln()); HEIGHTS * COSINES])
+    }
+
     /// Those of this air: between the tables on either side of its haze.
     pub fn of(air: &Air) -> Self {
         let place = (air.haze_per_m.max(LEAST_HAZE_PER_M) / LEAST_HAZE_PER_M).log10() * TABLES_PER_DECADE;
