@@ -6,6 +6,7 @@ mod scenarios;
 pub use cigi::{ByteOrderChoice, CigiSettings};
 pub use scenarios::{BUILT_IN_SCENARIOS, built_in, text_of};
 
+use crate::geo::terrain::Terrain;
 use crate::wire::control::names::{DeckFormName, LightEncodingName};
 use crate::wire::json::{self, Complaint, Node, Problem, Rule, Size};
 use crate::wire::{limits, schema};
@@ -51,6 +52,8 @@ pub struct Settings {
     pub ring_ratio: f64,
     /// Most strokes of lightning in any one second that give light, for people sensitive to flicker; `None`: no limit.
     pub flicker_guard_per_s: Option<u32>,
+    /// Where the ground is.
+    pub terrain: TerrainChoice,
     /// Quality of JPEGs where nobody asks for another, 1 to 100.
     pub jpeg_quality: u8,
     /// Scenario to start with; `None`: a clear day at rest.
@@ -82,6 +85,27 @@ pub enum ExecutorChoice {
     Gpu,
     /// The processor.
     Reference,
+}
+
+/// Where the ground is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TerrainChoice {
+    /// Made relief: coasts and mountain ranges where they are, hills and valleys made up.
+    Procedural,
+    /// The bare ellipsoid: height 0 everywhere, at no cost.
+    #[default]
+    Ellipsoid,
+}
+
+impl TerrainChoice {
+    /// The ground of this name.
+    pub fn terrain(self) -> Terrain {
+        match self {
+            Self::Procedural => Terrain::procedural(),
+            Self::Ellipsoid => Terrain::ELLIPSOID,
+        }
+    }
 }
 
 /// The file. A field that is not given has the value of `config/default.json`.
@@ -128,6 +152,8 @@ struct SettingsFile {
     /// beyond are left out. Without it there is no limit.
     #[schemars(range(min = limits::GUARD_FLASHES_PER_S.min, max = limits::GUARD_FLASHES_PER_S.max))]
     flicker_guard_per_s: Option<u32>,
+    /// Where the ground is.
+    terrain: TerrainChoice,
     /// Quality of JPEGs where nobody asks for another.
     #[schemars(range(min = limits::JPEG_QUALITY.min, max = limits::JPEG_QUALITY.max))]
     jpeg_quality: u8,
@@ -280,6 +306,7 @@ impl Settings {
             light_encoding: file.light_encoding,
             ring_ratio: file.ring_ratio,
             flicker_guard_per_s: file.flicker_guard_per_s,
+            terrain: file.terrain,
             jpeg_quality: file.jpeg_quality,
             scenario: file.scenario,
             scenario_folder: file.scenario_folder.into(),

@@ -6,7 +6,7 @@ use crate::encode::{Format, encode_pixels};
 use crate::frame::Pixels;
 use crate::plan::executor::{Executor, Fault};
 use crate::plan::{FramePlan, Output, plan};
-use crate::settings::ExecutorChoice;
+use crate::settings::{ExecutorChoice, TerrainChoice};
 use crate::wire::limits;
 use crate::world::World;
 use crate::world::command::{Command, ScenarioEdit};
@@ -49,12 +49,23 @@ pub(super) struct Options {
     /// What draws: gpu, reference, or auto (the GPU when there is one).
     #[arg(long, value_name = "E", value_parser = executor::choice, default_value = "auto")]
     executor: ExecutorChoice,
+    /// Where the ground is: procedural, or ellipsoid (level everywhere).
+    #[arg(long, value_name = "T", value_parser = terrain, default_value = "ellipsoid")]
+    terrain: TerrainChoice,
     /// Slices per cloud layer.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(limits::SLICES.min as i64..=limits::SLICES.max as i64))]
     slices: Option<u32>,
     /// Prints the plan of the (first) picture: each pass, kept or left out, and why.
     #[arg(long)]
     explain: bool,
+}
+
+fn terrain(text: &str) -> Result<TerrainChoice, String> {
+    match text {
+        "procedural" => Ok(TerrainChoice::Procedural),
+        "ellipsoid" => Ok(TerrainChoice::Ellipsoid),
+        _ => Err("procedural or ellipsoid".to_owned()),
+    }
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
@@ -158,6 +169,7 @@ fn times(options: &Options) -> Result<Vec<f64>, Failure> {
 fn world(options: &Options) -> Result<World, Failure> {
     let timeline = scenario::read(&options.scenario)?;
     let mut world = World::new();
+    world.set_terrain(options.terrain.terrain());
     world
         .apply(Command::Scenario(ScenarioEdit::Load(Arc::new(timeline))))
         .map_err(|refused: Refused| Failure::Input(refused.to_string()))?;

@@ -1,4 +1,4 @@
-//! The globe in f64: WGS84, local frames, charts for cloud textures, coast, cities, stars, sun and moon.
+//! The globe in f64: WGS84, local frames, charts for cloud textures, coast, terrain, cities, stars, sun and moon.
 
 pub mod celestial;
 pub mod charts;
@@ -6,6 +6,7 @@ pub mod cities;
 pub mod coast;
 pub mod frames;
 pub mod stars;
+pub mod terrain;
 pub mod wgs84;
 
 /// A point on or above the WGS84 ellipsoid.

@@ -40,8 +40,14 @@ pub fn decks(
 ) -> Vec<Deck> {
     // Fewer than one picture needs would be made anew for each picture.
     let most = plan.layers.iter().map(|layer| layer.light.len()).sum::<usize>().max(VOLUMES_KEPT);
+    let glow = resident.glow(gpu, plan.glow.as_ref());
     let layers = plan.layers.iter().zip(shades);
-    layers.map(|(layer, shade)| deck(gpu, pipelines, resident, (layer, shade.as_ref()), most)).collect()
+    let decks = layers.map(|(layer, shade)| {
+        let mut deck = deck(gpu, pipelines, resident, (layer, shade.as_ref()), &glow, most);
+        (deck.variant.terrain, deck.variant.glow) = (plan.terrain(), plan.glow.is_some());
+        deck
+    });
+    decks.collect()
 }
 
 fn deck(
@@ -49,6 +55,7 @@ fn deck(
     pipelines: &Pipelines,
     resident: &mut Resident,
     (layer, shade): (&LayerPlan, Option<&wgpu::TextureView>),
+    glow: &(wgpu::Buffer, wgpu::TextureView),
     most_volumes: usize,
 ) -> Deck {
     let volumes: Vec<_> = layer.light.iter().map(|l| resident.volume(gpu, layer.kind, l, most_volumes)).collect();
@@ -68,6 +75,8 @@ fn deck(
             wgpu::BindingResource::TextureView(&resident.detail),
             wgpu::BindingResource::Sampler(&resident.tiled),
             wgpu::BindingResource::TextureView(shade.unwrap_or(&resident.nothing)),
+            glow.0.as_entire_binding(),
+            wgpu::BindingResource::TextureView(&glow.1),
         ],
     );
     let variant = DeckVariant {
@@ -76,6 +85,8 @@ fn deck(
         flashes: layer.layer.flashes > 0,
         light: layer.layer.encoding(),
         shaded: shade.is_some(),
+        terrain: false,
+        glow: false,
     };
     Deck { variant, group }
 }

@@ -7,7 +7,7 @@ use super::pipelines::{GroundVariant, Pipelines};
 use super::resident::Resident;
 use super::ring::Content;
 use super::targets::Target;
-use super::{instanced, march, shadow, strokes};
+use super::{instanced, march, relief, shadow, strokes};
 use crate::passes::common::Camera;
 use crate::plan::{FramePlan, Output};
 use crate::world::snapshot::DeckForm;
@@ -20,9 +20,23 @@ pub fn submit(executor: &mut GpuExecutor, ticket: u64, plan: &FramePlan) {
     let target = targets.of(gpu, plan);
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     let nothing = resident.nothing.clone();
+    let grids = resident.grids.group(gpu, pipelines, plan.relief.as_ref());
+    if plan.terrain() {
+        let blank = Behind { deck: &nothing, relief: &nothing };
+        let frame = frame_group(gpu, pipelines, resident, plan, &plan.camera, blank);
+        relief::record(pipelines, &mut encoder, target, &frame, &grids);
+    }
+    let ranges = target.relief.as_ref().unwrap_or(&nothing);
     let mut deck = &nothing;
     if !decks.is_empty() {
-        let frame = frame_group(gpu, pipelines, resident, plan, &plan.camera.coarser(plan.deck_scale), &nothing);
+        let frame = frame_group(
+            gpu,
+            pipelines,
+            resident,
+            plan,
+            &plan.camera.coarser(plan.deck_scale),
+            Behind { deck: &nothing, relief: ranges },
+        );
         let scene = Scene { plan, frame: &frame, decks: &decks, target, nothing: &nothing };
         shadow::record_shades(gpu, pipelines, resident, &mut encoder, &scene, &shades);
         let image = match plan.deck_form {
@@ -37,17 +51,26 @@ pub fn submit(executor: &mut GpuExecutor, ticket: u64, plan: &FramePlan) {
     if let Some(shadows) = &plan.shadow {
         // What the deck hides is read by its neighbours where a texel is larger than a pixel.
         let hiding = if shadows.scale == 1 { deck } else { &nothing };
-        let frame = frame_group(gpu, pipelines, resident, plan, &plan.camera.coarser(shadows.scale), hiding);
+        let frame = frame_group(
+            gpu,
+            pipelines,
+            resident,
+            plan,
+            &plan.camera.coarser(shadows.scale),
+            Behind { deck: hiding, relief: ranges },
+        );
         let scene = Scene { plan, frame: &frame, decks: &decks, target, nothing: &nothing };
         let casters = shadow::casters(gpu, pipelines, resident, plan);
         shadow::record(gpu, pipelines, &mut encoder, &scene, &casters);
     }
-    let recorder = Recorder { gpu, target, nothing: &nothing };
-    let frame = frame_group(gpu, pipelines, resident, plan, &plan.camera, deck);
+    let stars = resident.stars(gpu, pipelines, plan.stars.as_ref());
+    let recorder = Recorder { gpu, target, nothing: &nothing, grids: &grids, stars: &stars };
+    let frame = frame_group(gpu, pipelines, resident, plan, &plan.camera, Behind { deck, relief: ranges });
     recorder.behind(&mut encoder, pipelines, &frame, plan);
     if let (Some(planned), Some(images)) = (&plan.strokes, &target.strokes) {
         let camera = plan.camera.coarser(planned.air_scale);
-        let coarse = frame_group(gpu, pipelines, resident, plan, &camera, &nothing);
+        let behind = Behind { deck: &nothing, relief: ranges };
+        let coarse = frame_group(gpu, pipelines, resident, plan, &camera, behind);
         let scene = strokes::Scene {
             strokes: planned,
             exposure: plan.camera.exposure,
@@ -72,13 +95,19 @@ pub fn submit(executor: &mut GpuExecutor, ticket: u64, plan: &FramePlan) {
     ring.enter(ticket, plan.size_px, content, copied, submission);
 }
 
+/// Images that a frame's passes read of one another.
+struct Behind<'a> {
+    deck: &'a wgpu::TextureView,
+    relief: &'a wgpu::TextureView,
+}
+
 fn frame_group(
     gpu: &Gpu,
     pipelines: &Pipelines,
     resident: &mut Resident,
     plan: &FramePlan,
     camera: &Camera,
-    deck: &wgpu::TextureView,
+    images: Behind,
 ) -> wgpu::BindGroup {
     let camera = gpu.buffer("camera", bytemuck::bytes_of(camera), wgpu::BufferUsages::STORAGE);
     let sky = gpu.buffer("sky", bytemuck::bytes_of(&plan.sky), wgpu::BufferUsages::STORAGE);
@@ -93,7 +122,8 @@ fn frame_group(
             wgpu::BindingResource::Sampler(&resident.clamped),
             wgpu::BindingResource::TextureView(&resident.map),
             wgpu::BindingResource::Sampler(&resident.repeated),
-            wgpu::BindingResource::TextureView(deck),
+            wgpu::BindingResource::TextureView(images.deck),
+            wgpu::BindingResource::TextureView(images.relief),
         ],
     )
 }
@@ -113,6 +143,8 @@ struct Recorder<'a> {
     gpu: &'a Gpu,
     target: &'a Target,
     nothing: &'a wgpu::TextureView,
+    grids: &'a wgpu::BindGroup,
+    stars: &'a wgpu::BindGroup,
 }
 
 impl Recorder<'_> {
@@ -138,9 +170,11 @@ impl Recorder<'_> {
         if let Some((variant, ground)) = &ground {
             pass.set_pipeline(pipelines.ground(self.gpu, *variant));
             pass.set_bind_group(1, ground, &[]);
+            pass.set_bind_group(2, self.grids, &[]);
             pass.draw(0..3, 0..1);
         }
-        pass.set_pipeline(&pipelines.sky);
+        pass.set_pipeline(pipelines.sky(self.gpu, plan.terrain(), plan.stars.is_some()));
+        pass.set_bind_group(1, self.stars, &[]);
         pass.draw(0..3, 0..1);
     }
 

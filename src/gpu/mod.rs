@@ -13,6 +13,7 @@ mod layouts;
 mod light;
 mod march;
 mod pipelines;
+mod relief;
 mod resident;
 mod ring;
 mod shadow;

@@ -11,13 +11,15 @@ use std::collections::HashMap;
 
 const COMMON: &str = include_str!("../passes/common.wgsl");
 const FIELD: &str = include_str!("../passes/deck/field.wgsl");
+const RELIEF: &str = include_str!("../passes/relief/field.wgsl");
 
 /// All WGSL modules by name, as they are compiled.
 pub fn shaders() -> Vec<(&'static str, String)> {
     let with_common = |name, text: &str| (name, format!("{COMMON}\n{text}"));
     vec![
         with_common("sky", include_str!("../passes/sky/sky.wgsl")),
-        with_common("ground", include_str!("../passes/ground/ground.wgsl")),
+        with_common("ground", &format!("{RELIEF}\n{}", include_str!("../passes/ground/ground.wgsl"))),
+        with_common("relief", &format!("{RELIEF}\n{}", include_str!("../passes/relief/relief.wgsl"))),
         with_common("deck", &format!("{FIELD}\n{}", include_str!("../passes/deck/deck.wgsl"))),
         with_common("march", &format!("{FIELD}\n{}", include_str!("../passes/deck/march.wgsl"))),
         with_common("shadow", &format!("{FIELD}\n{}", include_str!("../passes/shadow/shadow.wgsl"))),
@@ -38,10 +40,12 @@ pub struct DeckVariant {
     pub flashes: bool,
     pub light: Encoding,
     pub shaded: bool,
+    pub terrain: bool,
+    pub glow: bool,
 }
 
 impl DeckVariant {
-    fn constants(self) -> [(&'static str, f64); 5] {
+    fn constants(self) -> [(&'static str, f64); 7] {
         let flag = |on: bool| f64::from(u8::from(on));
         [
             ("SEVERAL_CHARTS", flag(self.several_charts)),
@@ -50,6 +54,8 @@ impl DeckVariant {
             ("FLASHES", flag(self.flashes)),
             // Texels of four bytes and of four f16 are read alike.
             ("FLUX", if self.light.is_vector() { if self.light.in_bytes() { 2.0 } else { 1.0 } } else { 0.0 }),
+            ("TERRAIN", flag(self.terrain)),
+            ("GLOW", flag(self.glow)),
         ]
     }
 }
@@ -61,6 +67,8 @@ pub struct GroundVariant {
     pub flashes: bool,
     pub cities: bool,
     pub shadows: bool,
+    pub land: bool,
+    pub terrain: bool,
 }
 
 impl GroundVariant {
@@ -69,18 +77,22 @@ impl GroundVariant {
         Self {
             several_charts: ground.charts > 1,
             flashes: ground.flashes > 0,
-            cities: ground.city_luminance > 0.0,
+            cities: plan.relief.as_ref().is_some_and(|relief| relief.lights),
             shadows: plan.shadow.is_some(),
+            land: plan.relief.is_some(),
+            terrain: plan.terrain(),
         }
     }
 
-    fn constants(self) -> [(&'static str, f64); 4] {
+    fn constants(self) -> [(&'static str, f64); 6] {
         let flag = |on: bool| f64::from(u8::from(on));
         [
             ("SEVERAL_CHARTS", flag(self.several_charts)),
             ("FLASHES", flag(self.flashes)),
             ("CITIES", flag(self.cities)),
             ("SHADOWS", flag(self.shadows)),
+            ("LAND", flag(self.land)),
+            ("TERRAIN", flag(self.terrain)),
         ]
     }
 }
@@ -91,12 +103,17 @@ pub struct Pipelines {
     pub deck_layout: wgpu::BindGroupLayout,
     pub mesh_layout: wgpu::BindGroupLayout,
     pub ground_layout: wgpu::BindGroupLayout,
+    pub relief_layout: wgpu::BindGroupLayout,
+    pub stars_layout: wgpu::BindGroupLayout,
     pub shadow_layout: wgpu::BindGroupLayout,
     pub image_layout: wgpu::BindGroupLayout,
     pub march_layout: wgpu::BindGroupLayout,
-    pub sky: wgpu::RenderPipeline,
+    pub relief: wgpu::RenderPipeline,
     pub cull: wgpu::RenderPipeline,
     pub tonemap: wgpu::RenderPipeline,
+    sky_module: wgpu::ShaderModule,
+    sky_pipeline_layout: wgpu::PipelineLayout,
+    sky: HashMap<(bool, bool), wgpu::RenderPipeline>,
     ground_module: wgpu::ShaderModule,
     ground_pipeline_layout: wgpu::PipelineLayout,
     ground: HashMap<GroundVariant, wgpu::RenderPipeline>,
@@ -140,11 +157,11 @@ impl Pipelines {
             })
         };
         let layouts = Layouts::new(gpu);
-        let sky_layout = pipeline_layout(gpu, &[Some(&layouts.frame)]);
+        let relief_layout = pipeline_layout(gpu, &[Some(&layouts.frame), None, Some(&layouts.relief)]);
         let cull_layout = pipeline_layout(gpu, &[None, Some(&layouts.image)]);
         let tonemap_layout = pipeline_layout(gpu, &[Some(&layouts.image)]);
-        let opaque = wgpu::ColorTargetState { format: PICTURE_FORMAT, blend: None, write_mask: wgpu::ColorWrites::ALL };
-        let single = wgpu::ColorTargetState { format: STROKES_FORMAT, blend: None, write_mask: wgpu::ColorWrites::ALL };
+        let opaque = replaced(PICTURE_FORMAT);
+        let single = replaced(STROKES_FORMAT);
         let strokes_layout = pipeline_layout(gpu, &[Some(&layouts.frame), Some(&layouts.strokes)]);
         let glow_layout = pipeline_layout(gpu, &[Some(&layouts.glow)]);
         let glow_module = module("glow");
@@ -161,9 +178,23 @@ impl Pipelines {
                 &[Some(&layouts.frame), Some(&layouts.deck), Some(&layouts.nodes)],
             ),
             veil: HashMap::new(),
-            sky: render(gpu, "sky", &module("sky"), &sky_layout, Some(added(gpu.light_format)), None, &[]),
+            relief: render(
+                gpu,
+                "relief",
+                &module("relief"),
+                &relief_layout,
+                Some(replaced(super::relief::FORMAT)),
+                None,
+                &[],
+            ),
+            sky_module: module("sky"),
+            sky_pipeline_layout: pipeline_layout(gpu, &[Some(&layouts.frame), Some(&layouts.stars)]),
+            sky: HashMap::new(),
             ground_module: module("ground"),
-            ground_pipeline_layout: pipeline_layout(gpu, &[Some(&layouts.frame), Some(&layouts.ground)]),
+            ground_pipeline_layout: pipeline_layout(
+                gpu,
+                &[Some(&layouts.frame), Some(&layouts.ground), Some(&layouts.relief)],
+            ),
             ground: HashMap::new(),
             cull: render(gpu, "cull", &module("cull"), &cull_layout, None, Some(marked()), &[]),
             tonemap: render(gpu, "tonemap", &module("tonemap"), &tonemap_layout, Some(opaque), None, &[]),
@@ -190,6 +221,8 @@ impl Pipelines {
             deck_layout: layouts.deck,
             mesh_layout: layouts.mesh,
             ground_layout: layouts.ground,
+            relief_layout: layouts.relief,
+            stars_layout: layouts.stars,
             shadow_layout: layouts.shadow,
             image_layout: layouts.image,
             march_layout: layouts.march,
@@ -202,11 +235,21 @@ impl Pipelines {
     /// The veil's pipeline for what a layer needs.
     pub fn veil(&mut self, gpu: &Gpu, variant: DeckVariant) -> &wgpu::ComputePipeline {
         // Its light does not matter to what a cloud hides.
-        let variant = DeckVariant { flashes: false, light: Encoding::Shares8, shaded: false, ..variant };
+        let variant = DeckVariant { flashes: false, glow: false, light: Encoding::Shares8, shaded: false, ..variant };
         self.veil.entry(variant).or_insert_with(|| {
             let constants = variant.constants();
             let options = wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
             compute(gpu, "veil", &self.veil_module, &self.veil_pipeline_layout, options)
+        })
+    }
+
+    /// The sky's pipeline, over terrain or over a sphere, with stars or without.
+    pub fn sky(&mut self, gpu: &Gpu, terrain: bool, stars: bool) -> &wgpu::RenderPipeline {
+        self.sky.entry((terrain, stars)).or_insert_with(|| {
+            let flag = |on: bool| f64::from(u8::from(on));
+            let constants = [("TERRAIN", flag(terrain)), ("STARS", flag(stars))];
+            let target = Some(added(gpu.light_format));
+            render(gpu, "sky", &self.sky_module, &self.sky_pipeline_layout, target, None, &constants)
         })
     }
 
@@ -221,8 +264,8 @@ impl Pipelines {
 
     /// The shadow pipeline for what a layer needs.
     pub fn shadow(&mut self, gpu: &Gpu, variant: DeckVariant) -> &wgpu::RenderPipeline {
-        // Flashes cast no shadow, nor does it matter how the layer is lit.
-        let variant = DeckVariant { flashes: false, light: Encoding::Shares8, shaded: false, ..variant };
+        // Flashes and cities cast no shadow, nor does it matter how the layer is lit.
+        let variant = DeckVariant { flashes: false, glow: false, light: Encoding::Shares8, shaded: false, ..variant };
         self.shadow.entry(variant).or_insert_with(|| {
             let target = Some(multiplied(super::shadow::FORMAT));
             let constants = variant.constants();
@@ -232,7 +275,7 @@ impl Pipelines {
 
     /// The same for the shade on a lower layer.
     pub fn shade(&mut self, gpu: &Gpu, variant: DeckVariant) -> &wgpu::RenderPipeline {
-        let variant = DeckVariant { flashes: false, light: Encoding::Shares8, shaded: false, ..variant };
+        let variant = DeckVariant { flashes: false, glow: false, light: Encoding::Shares8, shaded: false, ..variant };
         self.shade.entry(variant).or_insert_with(|| {
             let target = Some(multiplied(super::shadow::FORMAT));
             let constants = variant.constants();
@@ -269,6 +312,11 @@ fn under(format: wgpu::TextureFormat) -> wgpu::ColorTargetState {
     };
     let blend = Some(wgpu::BlendState { color: component, alpha: component });
     wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL }
+}
+
+/// What was there is written over.
+fn replaced(format: wgpu::TextureFormat) -> wgpu::ColorTargetState {
+    wgpu::ColorTargetState { format, blend: None, write_mask: wgpu::ColorWrites::ALL }
 }
 
 /// Each layer passes a share of what the others have left.

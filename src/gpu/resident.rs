@@ -1,16 +1,22 @@
 //! What stays on the device between frames: textures of the house, the sky's table, and light volumes by their parameters.
 
 use super::device::Gpu;
+use super::frame::group;
 use super::light;
+use super::pipelines::Pipelines;
+use super::relief::Grids;
 use super::textures::{empty, filled};
 use crate::clouds::density::{self, DensityVolume};
 use crate::clouds::{CloudKind, detail, modulation};
 use crate::passes::deck::field::{BOUNDS_WIDTH, column_bounds};
+use crate::passes::deck::glow::{self, CityGlow, GlowWindow};
 use crate::passes::light::Light;
 use crate::passes::light::volume::Volume;
 use crate::passes::shadow::table as columns;
 use crate::passes::shadow::{Columns, shade};
 use crate::passes::sky::table::{self, TableParams};
+use crate::passes::sky::{Stars, stars};
+use crate::plan::GlowPlan;
 use std::collections::VecDeque;
 
 /// Light volumes kept at once (2 MiB for each theta in 8 bits), or as many as one picture needs.
@@ -27,6 +33,8 @@ pub struct Shape {
 pub struct Resident {
     pub map: wgpu::TextureView,
     pub detail: wgpu::TextureView,
+    /// Heights around the eye.
+    pub grids: Grids,
     /// A deck that hides nothing.
     pub nothing: wgpu::TextureView,
     /// Clamped, for the sky's table.
@@ -42,6 +50,9 @@ pub struct Resident {
     volumes: VecDeque<((CloudKind, Light), wgpu::TextureView)>,
     columns: VecDeque<((CloudKind, Columns), wgpu::TextureView)>,
     shades: Vec<wgpu::TextureView>,
+    glow: Option<(GlowWindow, wgpu::TextureView)>,
+    /// The stars' cells and the stars.
+    stars: Option<[wgpu::Buffer; 2]>,
 }
 
 impl Resident {
@@ -65,6 +76,7 @@ impl Resident {
         Self {
             map: filled(gpu, "map", byte, [w, w, 1], modulation::map()),
             detail: filled(gpu, "detail", byte, [d, d, d], detail::volume()),
+            grids: Grids::default(),
             nothing: filled(gpu, "nothing", wgpu::TextureFormat::Rgba16Float, [1, 1, 1], &[0; 8]),
             clamped: sampler(ClampToEdge, ClampToEdge, Nearest),
             repeated: sampler(Repeat, Repeat, Nearest),
@@ -75,6 +87,8 @@ impl Resident {
             volumes: VecDeque::new(),
             columns: VecDeque::new(),
             shades: Vec::new(),
+            glow: None,
+            stars: None,
         }
     }
 
@@ -91,6 +105,45 @@ impl Resident {
                 view
             }
         }
+    }
+
+    /// What the sky reads of the stars; where there are none, what no shader asks for.
+    pub fn stars(&mut self, gpu: &Gpu, pipelines: &Pipelines, plan: Option<&Stars>) -> wgpu::BindGroup {
+        let buffer = |bytes: &[u8]| gpu.buffer("stars", bytes, wgpu::BufferUsages::STORAGE);
+        let Some(plan) = plan else {
+            self.stars = None;
+            let nothing = buffer(&[0; size_of::<Stars>()]);
+            let resource = nothing.as_entire_binding();
+            return group(gpu, &pipelines.stars_layout, &[resource.clone(), resource.clone(), resource]);
+        };
+        let [cells, stars] = self.stars.get_or_insert_with(|| {
+            let table = stars::table();
+            [bytemuck::cast_slice(&table.cells), bytemuck::cast_slice(&table.stars)].map(buffer)
+        });
+        let parameters = buffer(bytemuck::bytes_of(plan));
+        let resources = [parameters.as_entire_binding(), cells.as_entire_binding(), stars.as_entire_binding()];
+        group(gpu, &pipelines.stars_layout, &resources)
+    }
+
+    /// What the deck reads of city glow; where there is none, what no shader asks for.
+    pub fn glow(&mut self, gpu: &Gpu, plan: Option<&GlowPlan>) -> (wgpu::Buffer, wgpu::TextureView) {
+        let parameters = |bytes: &[u8]| gpu.buffer("glow", bytes, wgpu::BufferUsages::STORAGE);
+        let Some(plan) = plan else {
+            self.glow = None;
+            return (parameters(&[0; size_of::<CityGlow>()]), self.nothing.clone());
+        };
+        let table = match &self.glow {
+            Some((kept, table)) if *kept == plan.window => table.clone(),
+            _ => {
+                let size = [glow::WIDTH as u32, glow::WIDTH as u32, 1];
+                let texels = glow::build(&plan.window);
+                let bytes = bytemuck::cast_slice(texels.as_flattened());
+                let table = filled(gpu, "glow", wgpu::TextureFormat::Rgba16Float, size, bytes);
+                self.glow = Some((plan.window, table.clone()));
+                table
+            }
+        };
+        (parameters(bytemuck::bytes_of(&plan.glow)), table)
     }
 
     /// The light volume of a genus for these parameters; made where it is not resident. `most`: how many may stay.

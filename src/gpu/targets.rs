@@ -19,8 +19,8 @@ pub const STROKES_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R16Float;
 /// Pictures of one size without a flash after which its images for strokes are dropped.
 const STROKES_KEPT: u32 = 120;
 
-/// Size in pixels, pixels to one of the deck, the deck's form, and pixels to one of the shadows.
-type Key = ([u32; 2], u32, DeckForm, Option<u32>);
+/// Size in pixels, pixels to one of the deck, the deck's form, pixels to one of the shadows, and whether there is terrain.
+type Key = ([u32; 2], u32, DeckForm, Option<u32>, bool);
 
 /// Targets of one size.
 pub struct Target {
@@ -31,6 +31,8 @@ pub struct Target {
     pub occlusion: Option<wgpu::TextureView>,
     /// Share of the light that reaches the ground, where layers cast shadows.
     pub shadow: Option<wgpu::TextureView>,
+    /// Range to the ground, where there is terrain.
+    pub relief: Option<wgpu::TextureView>,
     pub light: wgpu::Texture,
     pub light_view: wgpu::TextureView,
     pub picture: wgpu::Texture,
@@ -61,7 +63,8 @@ pub struct Targets {
 impl Targets {
     /// The targets of a plan.
     pub fn of(&mut self, gpu: &Gpu, plan: &FramePlan) -> &Target {
-        let key = (plan.size_px, plan.deck_scale, plan.deck_form, plan.shadow.as_ref().map(|s| s.scale));
+        let key =
+            (plan.size_px, plan.deck_scale, plan.deck_form, plan.shadow.as_ref().map(|s| s.scale), plan.terrain());
         let at = self.kept.iter().position(|t| t.key == key);
         let mut target = at.and_then(|at| self.kept.remove(at)).unwrap_or_else(|| Target::new(gpu, key));
         target.make_room_for_strokes(gpu, plan);
@@ -73,7 +76,7 @@ impl Targets {
 
 impl Target {
     fn new(gpu: &Gpu, key: Key) -> Self {
-        let (size_px, deck_scale, form, shadow_scale) = key;
+        let (size_px, deck_scale, form, shadow_scale, terrain) = key;
         use wgpu::TextureUsages as Usage;
         let size = [size_px[0], size_px[1], 1];
         let coarser = |scale: u32| [size_px[0].div_ceil(scale), size_px[1].div_ceil(scale), 1];
@@ -87,6 +90,7 @@ impl Target {
         let deck = || empty(gpu, "deck", gpu.light_format, coarse, deck_usage);
         let occlusion = || empty(gpu, "occlusion", DEPTH_FORMAT, coarse, Usage::RENDER_ATTACHMENT);
         let shadow = |scale| empty(gpu, "shadow", super::shadow::FORMAT, coarser(scale), read);
+        let relief = || empty(gpu, "relief", super::relief::FORMAT, size, read);
         let light = empty(gpu, "light", gpu.light_format, size, read);
         let picture = empty(gpu, "picture", PICTURE_FORMAT, size, drawn);
         let view = |t: &wgpu::Texture| t.create_view(&wgpu::TextureViewDescriptor::default());
@@ -95,6 +99,7 @@ impl Target {
             deck: (0..images).map(|_| view(&deck())).collect(),
             occlusion: (form == DeckForm::Instanced).then(|| view(&occlusion())),
             shadow: shadow_scale.map(|scale| view(&shadow(scale))),
+            relief: terrain.then(|| view(&relief())),
             light_view: view(&light),
             light,
             picture_view: view(&picture),

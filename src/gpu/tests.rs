@@ -8,6 +8,7 @@ use super::GpuExecutor;
 use super::pipelines::{Pipelines, shaders};
 use crate::clouds::CloudKind;
 use crate::frame::Pixels;
+use crate::geo::terrain::Terrain;
 use crate::passes::light::encoding::Encoding;
 use crate::plan::executor::{Executor, Fault};
 use crate::plan::{FramePlan, Output, plan};
@@ -30,10 +31,12 @@ struct Scene {
     pitch_deg: f64,
     deck_scale: u32,
     form: DeckForm,
+    latitude_deg: f64,
     longitude_deg: f64,
     strike: bool,
     region: bool,
     tower: bool,
+    terrain: bool,
 }
 
 const BELOW: Scene = Scene {
@@ -42,18 +45,27 @@ const BELOW: Scene = Scene {
     pitch_deg: 12.0,
     deck_scale: 1,
     form: DeckForm::Marched,
+    latitude_deg: 47.0,
     longitude_deg: 8.0,
     strike: false,
     region: false,
     tower: false,
+    terrain: false,
 };
+
+/// Over the Alps, looking down at them, clouds among the crests.
+const MOUNTAINS: Scene =
+    Scene { terrain: true, latitude_deg: 46.45, altitude_m: 4500.0, pitch_deg: -14.0, coverage: 0.3, ..BELOW };
 
 impl Scene {
     fn plan(&self, output: Output) -> FramePlan {
         let mut world = World::new();
+        if self.terrain {
+            world.set_terrain(Terrain::procedural());
+        }
         world.set_quality(Quality { deck_scale: self.deck_scale, deck_form: self.form, ..world.peek(0.0).quality });
         let mut apply = |command| world.apply(command).map(|_| ()).expect("a command of a test");
-        let (latitude_deg, longitude_deg) = (47.0, self.longitude_deg);
+        let (latitude_deg, longitude_deg) = (self.latitude_deg, self.longitude_deg);
         apply(Command::Ownship(Ownship {
             latitude_deg,
             longitude_deg,
@@ -180,6 +192,31 @@ fn sky_and_ground_equal_their_twins() {
 
 #[test]
 #[cfg_attr(not(gpu_tests), ignore = "no graphics adapter")]
+fn terrain_equals_its_twin_and_hides_what_is_behind() {
+    let mut gpu = gpu();
+    let scenes = [
+        ("mountains", Scene { coverage: 0.0, ..MOUNTAINS }),
+        ("clouds among mountains", MOUNTAINS),
+        ("the same at half size", Scene { deck_scale: 2, ..MOUNTAINS }),
+        ("a coast", Scene { latitude_deg: 43.5, longitude_deg: 7.0, altitude_m: 900.0, ..MOUNTAINS }),
+        ("from 60 km", Scene { altitude_m: 60_000.0, pitch_deg: -40.0, ..MOUNTAINS }),
+    ];
+    for (name, scene) in scenes {
+        let plan = scene.plan(Output::LinearRgb);
+        assert!(plan.terrain(), "{name}");
+        let (mean, beyond) = compare(name, &mut gpu, scene);
+        // Rays that graze a crest meet it or pass by as the last bit falls, and a step's length follows from the one before:
+        // single pixels at silhouettes, and what the deck's and the shadows' own comparisons have.
+        assert!(mean < 0.006, "{name}: {mean}");
+        assert!(beyond < 0.02, "{name}: {beyond}");
+        let flat = FramePlan { relief: None, ..plan.clone() };
+        let (mean, ..) = difference(&draw(&mut gpu, &plan), &draw(&mut gpu, &flat), 0.05);
+        assert!(mean > 0.05, "{name}: there is relief to compare: {mean}");
+    }
+}
+
+#[test]
+#[cfg_attr(not(gpu_tests), ignore = "no graphics adapter")]
 fn shadows_on_the_ground_equal_their_twins() {
     let mut gpu = gpu();
     let down = Scene { pitch_deg: -35.0, altitude_m: 900.0, ..BELOW };
@@ -265,7 +302,8 @@ fn a_wrong_shader_is_noticed() {
         ("march", "transmittance = 1.0 - nearer.a", "transmittance = 0.9 - nearer.a"),
         ("deck", "seen.light = source(", "seen.light = 1.1 * source("),
         ("cull", ".a < 1.0 - OPAQUE", ".a < -1.0"),
-        ("ground", "seen = lit * albedo * 0.31830987", "seen = lit * albedo * 0.36"),
+        ("ground", "seen = lit * made.albedo * 0.31830987", "seen = lit * made.albedo * 0.36"),
+        ("relief", "found.x * HEIGHT_UNIT_M", "found.x * (0.97 * HEIGHT_UNIT_M)"),
         ("shadow", "p + layer.light_direction * distance", "p + layer.light_direction * (0.9 * distance)"),
         ("shadow", "entry * (1.0 / 3.0)", "entry * 0.3"),
         ("ground", "ground_luminance(direction, t, passed)", "ground_luminance(direction, t, 1.0)"),
@@ -274,6 +312,7 @@ fn a_wrong_shader_is_noticed() {
         gpu.pipelines = broken(&gpu, module, right, wrong);
         let scene = match module {
             "shadow" => Scene { pitch_deg: -35.0, altitude_m: 900.0, ..BELOW },
+            "relief" => MOUNTAINS,
             "ground" if right.contains("passed") => Scene { pitch_deg: -35.0, altitude_m: 900.0, ..BELOW },
             "ground" => Scene { coverage: 0.0, pitch_deg: -50.0, ..BELOW },
             "sky" => Scene { coverage: 0.0, altitude_m: 9000.0, pitch_deg: 3.0, ..BELOW },

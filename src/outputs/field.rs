@@ -58,6 +58,7 @@ impl Field {
                 map: modulation::map(),
                 detail: detail::volume(),
                 shade: None,
+                glow: None,
             };
             // Range 0: with all its detail, as an eye that comes near sees it.
             let found = margin(layer, &textures, camera.earth_m, place, height_m, 0.0);

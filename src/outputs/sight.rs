@@ -71,7 +71,8 @@ impl Ray {
 /// Follows a ray.
 pub fn sight(snapshot: &Snapshot, ray: &Ray) -> Sight {
     let origin = to_ecef(&ray.from);
-    let ground_m = ground::hit_m(origin, ray.direction).filter(|hit_m| *hit_m >= ray.from_m && ray.ground);
+    let ground_m = ground::hit_m(&snapshot.terrain, origin, ray.direction, ray.to_m)
+        .filter(|hit_m| *hit_m >= ray.from_m && ray.ground);
     let end_m = ground_m.unwrap_or(f64::INFINITY).min(ray.to_m).max(0.0);
     let (cloud_m, opacity) = cloud(snapshot, ray, end_m);
     let (hider, range_m) = match (cloud_m, ground_m) {

@@ -114,9 +114,14 @@ impl Chart {
 
     /// Displacement from the eye's ground point in the chart, metres, of a point with stereographic coordinate `z` (m).
     pub fn displacement(&self, z: Vec2) -> Vec2 {
-        let one_minus = Vec2::new(1.0, 0.0) - complex_mul(Vec2::from(self.c), z);
-        complex_div(complex_mul(Vec2::from(self.a), z), one_minus)
+        displacement(self.a.into(), self.c.into(), z)
     }
+}
+
+/// Displacement in a chart of factors `a` and `c` from the eye's ground point, metres, of a point with stereographic
+/// coordinate `z` (m).
+pub fn displacement(a: Vec2, c: Vec2, z: Vec2) -> Vec2 {
+    complex_div(complex_mul(a, z), Vec2::new(1.0, 0.0) - complex_mul(c, z))
 }
 
 /// Charts that a layer or the ground may be drawn with at once.

@@ -64,6 +64,10 @@ const BRIGHTEST: f32 = 60000.0;
 // The deck by itself, exposed: light, and what it hides.
 @group(0) @binding(6) var deck_image: texture_2d<f32>;
 
+// Range at which each pixel's ray meets the ground, where that is more than a sphere.
+@group(0) @binding(7) var relief_image: texture_2d<f32>;
+override TERRAIN: bool = false;
+
 const OPAQUE: f32 = 0.004;
 
 fn deck_over(pixel: vec2<f32>) -> vec4<f32> {
@@ -101,6 +105,17 @@ fn crossings(up: f32, height: f32) -> vec2<f32> {
         return vec2<f32>(FAR, -c / (root + b));
     }
     return vec2<f32>(FAR, root - b);
+}
+
+// Range at which the ray of a pixel meets the ground; FAR where it does not.
+fn ground_range(pixel: vec2<f32>, up: f32) -> f32 {
+    if TERRAIN {
+        let size = vec2<f32>(textureDimensions(relief_image));
+        let share = pixel / vec2<f32>(camera.width_px, camera.height_px);
+        let at = min(floor(share * size), size - 1.0);
+        return textureLoad(relief_image, vec2<u32>(at), 0).r;
+    }
+    return crossings(up, 0.0).x;
 }
 
 fn mean_density(a: f32, b: f32, scale: f32) -> f32 {

@@ -11,6 +11,7 @@ pub mod deck;
 pub mod glow;
 pub mod ground;
 pub mod light;
+pub mod relief;
 pub mod sampling;
 pub mod shadow;
 pub mod sky;

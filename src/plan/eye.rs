@@ -3,12 +3,13 @@
 use crate::geo::Geodetic;
 use crate::geo::charts::{BLEND, ChartView, charts_near};
 use crate::geo::frames::{Curvature, ENU_NED, enu, ned_from_body};
+use crate::geo::terrain::Terrain;
 use crate::geo::wgs84::{MEAN_RADIUS_M, from_ecef, to_ecef};
 use crate::passes::common::{CHARTS, Chart};
 use crate::world::snapshot::{OwnshipState, ViewState};
 use glam::{DMat3, DQuat, DVec2, DVec3, Vec3};
 
-/// Below this height the eye is drawn as if it were here, so that it is never in the ground.
+/// Nearer than this to the ground the eye is drawn as if it were here, so that it is never in the ground.
 pub const LOWEST_EYE_M: f64 = 1.5;
 
 /// The eye's place and the axes of the picture.
@@ -32,13 +33,14 @@ pub struct Eye {
 }
 
 impl Eye {
-    /// The eye of a view.
-    pub fn new(ownship: &OwnshipState, view: &ViewState) -> Self {
+    /// The eye of a view over some ground.
+    pub fn new(ownship: &OwnshipState, view: &ViewState, terrain: &Terrain) -> Self {
         let ownship = view.carrier.as_ref().unwrap_or(ownship);
         let body = ENU_NED * ned_from_body(&ownship.attitude);
         let offset = enu(&ownship.position) * (body * DVec3::from(view.offset_m));
         let place = from_ecef(to_ecef(&ownship.position) + offset);
-        let position = Geodetic { altitude_m: place.altitude_m.max(LOWEST_EYE_M), ..place };
+        let ground_m = terrain.height_m(&place);
+        let position = Geodetic { altitude_m: place.altitude_m.max(ground_m.max(0.0) + LOWEST_EYE_M), ..place };
         let axes_enu = enu(&position);
         // The view's axes against the body, in the eye's own east, north, up.
         let turned = axes_enu.transpose() * enu(&ownship.position) * body * ned_from_body(&view.attitude);
@@ -68,6 +70,11 @@ impl Eye {
     /// A place as [`Eye::place`] gives it, in f64.
     pub fn offset(&self, place: &Geodetic) -> DVec3 {
         self.enu.transpose() * (to_ecef(place) - self.ground_ecef_m)
+    }
+
+    /// The chart whose centre is nearest, fixed to the ground.
+    pub fn nearest_chart(&self) -> ChartView {
+        charts_near(self.zenith, self.enu.x_axis, self.enu.y_axis, DQuat::IDENTITY, 1.0)[0]
     }
 
     /// The charts in sight of a pattern that has drifted, with a volume tile and a map of given periods.

@@ -8,18 +8,21 @@ use super::eye::Eye;
 use super::regions::NearRegion;
 use super::shadow::{self, ShadowPlan};
 use crate::geo::Geodetic;
-use crate::passes::common::{AIR_SCALE_M, Camera};
-use crate::passes::deck::{FLASHES, Flash};
-use crate::passes::ground::Ground;
-use crate::passes::sky::Sky;
+use crate::geo::stars::earth_from_stars;
+use crate::geo::terrain::Terrain;
+use crate::passes::common::{AIR_SCALE_M, Camera, smoothstep};
+use crate::passes::deck::{FLASHES, Flash, glow};
+use crate::passes::ground::lights::CORE_LUMINANCE;
+use crate::passes::ground::{FIELDS_TILE_M, Ground};
 use crate::passes::sky::atmosphere::{Air, Luminary, MOON_LUX, SUN_LUX};
 use crate::passes::sky::multiple::HigherOrders;
 use crate::passes::sky::table::TableParams;
+use crate::passes::sky::{Sky, Stars, stars};
 use crate::world::command::Frustum;
 use crate::world::regions::weight_at;
 use crate::world::snapshot::{Snapshot, ViewState};
 use column::{ClearSky, Column, Level};
-use glam::{DQuat, Vec3};
+use glam::{DMat3, DQuat, Vec3};
 
 /// Angular radius of the sun and, nearly, of the moon.
 const DISC_RAD: f32 = 0.004_65;
@@ -47,6 +50,11 @@ pub struct Illuminance {
     air: Air,
     lights: [Luminary; 2],
     night: f32,
+    /// Whether the moon's disc is there, and how much of the stars' light.
+    moon: bool,
+    starlight: f32,
+    /// Directions of the catalogue of stars to ECEF.
+    earth_from_stars: DMat3,
 }
 
 impl Illuminance {
@@ -109,11 +117,27 @@ impl Illuminance {
             night_luminance,
             scale,
         };
-        let night = 1.0 - crate::passes::common::smoothstep(-0.14, -0.03, sun.z);
+        let night = 1.0 - smoothstep(-0.14, -0.03, sun.z);
         // Full scale at 1.2 * 2^EV cd/m2 (ISO 2720 with K = 12.5 and saturation-based speed).
         let exposure = 1.0 / (1.2 * ev.exp2());
         let unshaded_lux = clear.ground.direct_lux;
-        Self { table, source: key.direction, columns, ground, unshaded_lux, exposure, shares, air, lights, night }
+        let (moon, starlight) = (snapshot.sky.moon_shines, snapshot.sky.starlight as f32);
+        let earth_from_stars = earth_from_stars(snapshot.utc_s);
+        Self {
+            table,
+            source: key.direction,
+            columns,
+            ground,
+            unshaded_lux,
+            exposure,
+            shares,
+            air,
+            lights,
+            night,
+            moon,
+            starlight,
+            earth_from_stars,
+        }
     }
 
     /// The camera of a view.
@@ -152,21 +176,42 @@ impl Illuminance {
 
     /// Sky, sun and moon.
     pub fn sky(&self, eye: &Eye) -> Sky {
-        let disc = |l: &Luminary, share: f32| {
-            let seen = self.air.transmittance(eye.height_m as f32, l.direction.z) * l.illuminance_lux;
-            seen * (share / (std::f32::consts::PI * DISC_RAD * DISC_RAD))
+        let disc = |l: &Luminary, outside_lux: Vec3| {
+            let seen = self.air.transmittance(eye.height_m as f32, l.direction.z) * outside_lux;
+            seen / (std::f32::consts::PI * DISC_RAD * DISC_RAD)
         };
+        // The lit part of the moon is as bright at every phase (Lommel and Seeliger), by day and by night.
+        let moonlit = Vec3::splat(if self.moon { MOON_LUX } else { 0.0 });
         let [sun, moon] = &self.lights;
         Sky {
             sun_direction: sun.direction.into(),
             sun_cosine: DISC_RAD.cos(),
-            sun_luminance: disc(sun, 1.0).into(),
+            sun_luminance: disc(sun, sun.illuminance_lux).into(),
             horizon: self.table.horizon,
             moon_direction: moon.direction.into(),
             moon_cosine: DISC_RAD.cos(),
-            moon_luminance: disc(moon, 1.0).into(),
+            moon_luminance: disc(moon, moonlit).into(),
             table_scale: self.table.scale,
         }
+    }
+
+    /// The stars, at night.
+    pub fn stars(&self, eye: &Eye, camera: &Camera, notes: &mut Vec<PassNote>) -> Option<Stars> {
+        let dark = smoothstep(-0.05, -0.12, self.lights[0].direction.z) * self.starlight;
+        let why = if dark > 0.0 { "the night shows them" } else { "they are outshone, or put out" };
+        notes.push(PassNote { pass: "stars", kept: dark > 0.0, why: why.into() });
+        (dark > 0.0).then(|| {
+            let turn = (eye.enu.transpose() * self.earth_from_stars).as_mat3();
+            let spread = stars::spread_rad(2.0 * Vec3::from(camera.up).length() / camera.height_px);
+            Stars {
+                x: turn.x_axis.into(),
+                sharpness: 0.5 / (spread * spread),
+                y: turn.y_axis.into(),
+                strength: dark / (std::f32::consts::TAU * spread * spread),
+                z: turn.z_axis.into(),
+                pad0: 0.0,
+            }
+        })
     }
 
     /// The light on ground between the clouds.
@@ -196,26 +241,47 @@ impl Illuminance {
     ) -> Option<Ground> {
         notes.push(PassNote { pass: "ground", kept: true, why: "the ground is below the eye".into() });
         let light = shadows.map_or(self.ground, |shadows| self.shaded(shadows));
-        let (near, chart) = eye.charts(DQuat::IDENTITY, super::layers::extent_m(eye, 0.0), 1.0);
+        let (near, chart) = eye.charts(DQuat::IDENTITY, super::layers::extent_m(eye, 0.0), f64::from(FIELDS_TILE_M));
         let mut flash = [Flash::default(); FLASHES];
         flash[..flashes.len()].copy_from_slice(flashes);
         Some(Ground {
             light_lux: light.direct_lux.into(),
             flashes: flashes.len() as u32,
             light_direction: self.source.into(),
-            city_luminance: 6.0 * self.night,
+            city_luminance: CORE_LUMINANCE * self.night,
             sky_lux: light.diffuse_lux.into(),
             charts: near.len() as u32,
+            snow_m: snow_line_m(eye.position.latitude_rad),
+            shore_m: if Terrain::is_land(&eye.position) { 1e5 } else { -1e5 },
+            pad0: 0.0,
+            pad1: 0.0,
             chart,
             flash,
         })
     }
 
-    /// Light that comes up to layer `index` of one of the columns, from lower layers and the ground, over 4 pi, lux per colour.
+    /// Light that comes up to layer `index` of one of the columns, from lower layers and the ground, over 4 pi, lux per colour;
+    /// that of cities is the glow's.
     pub fn upwelling_lux(&self, column: usize, index: usize) -> Vec3 {
-        let towns = Vec3::new(1.0, 0.72, 0.42) * (0.16 * self.night);
-        (self.columns[column].below_lux[index] + towns) * 0.079_577_47
+        self.columns[column].below_lux[index] * 0.079_577_47
     }
+
+    /// Whether the lamps of cities are lit: while the sun is lower than 1.7 degrees below the horizon.
+    pub fn lamps(&self) -> bool {
+        self.night > 0.0
+    }
+
+    /// How much of the glow table's four heights a base receives.
+    pub fn glow(&self, base_m: f64) -> [f32; 4] {
+        glow::weights(base_m).map(|weight| weight * self.night)
+    }
+}
+
+/// Height above which snow lies in summer: 5 km on the equator, 2.9 km in the Alps, sea level at 72 degrees (a parabola
+/// through Porter 1975's and later snow lines, which scatter by half a kilometre).
+fn snow_line_m(latitude_rad: f64) -> f32 {
+    let share = latitude_rad.to_degrees() / 72.0;
+    (5_000.0 * (1.0 - share * share)).max(-2_000.0) as f32
 }
 
 /// Visibility at a place: the regions' where it is inside them, between the two by its logarithm in a transition.

@@ -8,6 +8,7 @@ mod eye;
 mod illuminance;
 mod layers;
 mod regions;
+mod relief;
 mod shade;
 mod shadow;
 mod stroke;
@@ -18,10 +19,11 @@ use crate::passes::deck::Layer;
 use crate::passes::deck::spans::{Leg, legs, overlap};
 use crate::passes::ground::Ground;
 use crate::passes::light::Light;
-use crate::passes::sky::Sky;
 use crate::passes::sky::table::TableParams;
+use crate::passes::sky::{Sky, Stars};
 use crate::world::snapshot::{DeckForm, Snapshot, ViewState};
 
+pub use relief::{GlowPlan, ReliefPlan};
 pub use shadow::{LayerShadow, ShadowPlan};
 pub use stroke::StrokePlan;
 
@@ -36,8 +38,14 @@ pub struct FramePlan {
     pub camera: Camera,
     /// Sky, sun and moon.
     pub sky: Sky,
+    /// The stars, at night.
+    pub stars: Option<Stars>,
     /// What the table of scattered light is made from.
     pub table: TableParams,
+    /// Land and heights around the eye, unless there is only sea in sight.
+    pub relief: Option<ReliefPlan>,
+    /// The glow of cities on the clouds, unless it is day or there are none.
+    pub glow: Option<GlowPlan>,
     /// The ground, unless it is out of sight.
     pub ground: Option<Ground>,
     /// Shadows of single clouds on it, unless there are none to be seen.
@@ -83,6 +91,11 @@ pub struct PassNote {
 }
 
 impl FramePlan {
+    /// Whether the ground is more than a sphere: then rays are followed to it.
+    pub fn terrain(&self) -> bool {
+        self.relief.as_ref().is_some_and(|relief| relief.rays)
+    }
+
     /// In which order the layers are walked, near to far along any ray.
     pub fn legs(&self) -> Vec<Leg> {
         legs(&heights(&self.layers), self.camera.eye_m)
@@ -114,11 +127,12 @@ pub enum Output {
 
 /// The plan of one view of a snapshot.
 pub fn plan(snapshot: &Snapshot, view: &ViewState, output: Output) -> FramePlan {
-    let eye = eye::Eye::new(&snapshot.ownship, view);
+    let eye = eye::Eye::new(&snapshot.ownship, view, &snapshot.terrain);
     let mut notes = Vec::new();
     if eye.lifted_m > 0.0 {
         let (height_m, lifted_m) = (eye::LOWEST_EYE_M, eye.lifted_m);
-        let why = format!("the eye is {lifted_m:.1} m too low and is drawn {height_m} m above the ellipsoid");
+        let over = if snapshot.terrain.is_ellipsoid() { "ellipsoid" } else { "ground" };
+        let why = format!("the eye is {lifted_m:.1} m too low and is drawn {height_m} m above the {over}");
         notes.push(PassNote { pass: "eye", kept: true, why });
     }
     let regions = regions::near(snapshot, &eye, &mut notes);
@@ -130,7 +144,10 @@ pub fn plan(snapshot: &Snapshot, view: &ViewState, output: Output) -> FramePlan 
     let mut camera = light.camera(&eye, view);
     let shadow = shadow::cast(&camera, &light.between_clouds(), &layers, deck_scale, &mut notes);
     let below = stroke::on_ground(snapshot, &eye, &flashes);
+    let relief = relief::in_sight(snapshot, &eye, light.lamps(), &mut notes);
+    let glow = relief::glow(&eye, light.lamps(), !layers.is_empty(), &mut notes);
     let ground = light.ground(&eye, shadow.as_ref(), &below, &mut notes);
+    let stars = light.stars(&eye, &camera, &mut notes);
     notes.push(PassNote { pass: "sky", kept: true, why: "the sky is behind everything".into() });
     let tonemap = output == Output::Srgb8;
     let why = if tonemap { "the picture is for a screen" } else { "linear luminance was asked for" };
@@ -140,13 +157,17 @@ pub fn plan(snapshot: &Snapshot, view: &ViewState, output: Output) -> FramePlan 
         camera.exposure = stroke::linear_exposure(camera.exposure, strokes);
         strokes.airlight.scale = camera.exposure;
     }
-    let deck_form = deck_form(snapshot.quality.deck_form, &layers, &mut notes);
+    let terrain = relief.as_ref().is_some_and(|relief| relief.rays);
+    let deck_form = deck_form(snapshot.quality.deck_form, &layers, terrain, &mut notes);
     FramePlan {
         size_px: view.size_px,
         output,
         camera,
         sky: light.sky(&eye),
+        stars,
         table: light.table,
+        relief,
+        glow,
         ground,
         shadow,
         deck_scale,
@@ -171,11 +192,14 @@ fn deck_scale(asked: u32, eye_m: f32, layers: &[LayerPlan], notes: &mut Vec<Pass
 
 /// How a GPU draws the deck. The walk was the faster one wherever it was measured: on Mesa's llvmpipe a frame took 0.53 to
 /// 0.78 of the instanced form's processor time.
-fn deck_form(asked: DeckForm, layers: &[LayerPlan], notes: &mut Vec<PassNote>) -> DeckForm {
+fn deck_form(asked: DeckForm, layers: &[LayerPlan], terrain: bool, notes: &mut Vec<PassNote>) -> DeckForm {
     let (form, why) = match asked {
         DeckForm::Auto | DeckForm::Marched => (DeckForm::Marched, "a GPU draws the deck as one walk a pixel"),
         DeckForm::Instanced if overlap(&heights(layers)) => {
             (DeckForm::Marched, "layers share heights, which only the walk a pixel puts in order")
+        }
+        DeckForm::Instanced if terrain => {
+            (DeckForm::Marched, "the ground has heights, at which only the walk a pixel stops")
         }
         DeckForm::Instanced => (DeckForm::Instanced, "a GPU draws the deck as instanced geometry, as asked"),
     };

@@ -141,7 +141,7 @@ mod tests {
         for k in 0..MAX_REGIONS {
             snapshot.regions.push(region(47.0 + 0.05 * k as f64, 8.0, 4_000.0, 1_000.0));
         }
-        let eye = Eye::new(&snapshot.ownship, &snapshot.views[0]);
+        let eye = Eye::new(&snapshot.ownship, &snapshot.views[0], &snapshot.terrain);
         let near = near(&snapshot, &eye, &mut Vec::new());
         assert_eq!(near.len(), MAX_REGIONS);
         assert!(near.iter().all(|r| r.outline.presence == 1.0), "and none is faded");
@@ -168,7 +168,7 @@ mod tests {
         for k in 0..400 {
             // 2 degrees northwards in steps of 550 m.
             snapshot.ownship.position.latitude_rad = (46.0 + 0.005 * f64::from(k)).to_radians();
-            let eye = Eye::new(&snapshot.ownship, &snapshot.views[0]);
+            let eye = Eye::new(&snapshot.ownship, &snapshot.views[0], &snapshot.terrain);
             let mut notes = Vec::new();
             let near = near(&snapshot, &eye, &mut notes);
             assert_eq!(near.len(), LAYERS / MAX_LAYERS);

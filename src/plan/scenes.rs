@@ -2,6 +2,7 @@
 
 use crate::clouds::CloudKind;
 use crate::geo::frames::enu;
+use crate::geo::terrain::Terrain;
 use crate::geo::{Attitude, Geodetic};
 use crate::lightning::flash::Light;
 use crate::world::command::{Exposure, FlashKind, Polarity, RegionShape};
@@ -57,6 +58,7 @@ pub fn clear_day() -> Snapshot {
             deck_form: DeckForm::Auto,
             light_encoding: Default::default(),
         },
+        terrain: Terrain::ELLIPSOID,
     };
     sun(snapshot, 50.0)
 }

@@ -19,7 +19,7 @@ fn plan_of(snapshot: &Snapshot) -> FramePlan {
 fn eye_at(snapshot: &Snapshot, position: Geodetic) -> Eye {
     let mut ownship = snapshot.ownship;
     ownship.position = position;
-    Eye::new(&ownship, &snapshot.views[0])
+    Eye::new(&ownship, &snapshot.views[0], &snapshot.terrain)
 }
 
 /// Whole numbers among the members read as tiny floats, which are finite too.
@@ -137,8 +137,15 @@ fn detail_stands_on_the_ground_while_the_eye_flies() {
         let plans = [plan_of(&snapshot), plan_of(&moved)];
         let eyes = [first, eye_at(&snapshot, from_ecef(flown))];
         let (map, detail_volume) = (modulation::map(), detail::volume());
-        let textures =
-            Textures { shape: &shape, lights: &[], bounds: &bounds, map, detail: detail_volume, shade: None };
+        let textures = Textures {
+            shape: &shape,
+            lights: &[],
+            bounds: &bounds,
+            map,
+            detail: detail_volume,
+            shade: None,
+            glow: None,
+        };
         let (mut change, mut detail) = (0.0f32, 0.0f32);
         for k in 0..200 {
             let (x, y) = (f64::from(k % 20) * 61.0, f64::from(k / 20) * 53.0);
@@ -213,7 +220,7 @@ fn what_a_scene_does_not_need_is_left_out() {
     two.weather.layers[0].density = 0.0;
 
     // Flashes of these scenes have no channel: `plan/stroke/tests.rs` has those that have.
-    let always = [("ground", true), ("sky", true), ("tonemap", true), ("stroke", false)];
+    let always = |night| [("ground", true), ("stars", night), ("sky", true), ("tonemap", true), ("stroke", false)];
     let mut looking_up = noon.clone();
     looking_up.ownship.attitude.pitch_rad = 60f64.to_radians();
     let cases: [(&str, Snapshot, Passes); 10] = [
@@ -237,12 +244,20 @@ fn what_a_scene_does_not_need_is_left_out() {
         let plan = plan_of(&snapshot);
         let found: Vec<(&str, bool)> = plan.notes.iter().map(|note| (note.pass, note.kept)).collect();
         let form: Passes = if expected.contains(&("deck", true)) { &[("form", true)] } else { &[] };
-        let mut expected: Vec<(&str, bool)> = expected.iter().chain(&always).chain(form).copied().collect();
+        // Over land with cities, on the bare ellipsoid.
+        let night = name.contains("night");
+        let coast = plan.notes.iter().any(|note| note.pass == "shore" && note.kept);
+        let relief = [("shore", coast), ("relief", false), ("lamps", night), ("city glow", night)];
+        let mut expected: Vec<(&str, bool)> =
+            expected.iter().chain(&relief).chain(&always(night)).chain(form).copied().collect();
         // Shade of one layer on another is told before the shadows on the ground.
         let shaded = plan.layers.iter().any(|l| !l.shade.is_empty());
         assert!(!shaded || plan.layers.len() > 1, "{name}");
         expected.insert(expected.iter().position(|note| note.0 == "shadow").unwrap_or(0), ("shade", shaded));
         assert_eq!(found, expected, "{name}");
+        assert_eq!(plan.relief.as_ref().is_some_and(|relief| relief.lights), night, "{name}");
+        assert_eq!(plan.glow.is_some(), night, "{name}");
+        assert_eq!(plan.stars.is_some(), night, "{name}");
         // What the notes say is what the executors get.
         let kept = |pass: &str| found.iter().filter(|note| **note == (pass, true)).count();
         assert_eq!(plan.layers.len(), kept("deck"), "{name}");

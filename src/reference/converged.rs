@@ -151,7 +151,7 @@ mod tests {
         let expected = f64::exp(-0.002 * 1_200.0);
         let up = Ray { direction: Vec3::Z, end_m: f32::INFINITY, air: Vec3::ZERO };
         let seen = ReferenceExecutor::new()
-            .prepared(&plan, |_, layers, _| march(&plan.camera, layers, &up, Step { at_eye_m: 70.0, growth: 0.0 }));
+            .prepared(&plan, |_, layers, _, _| march(&plan.camera, layers, &up, Step { at_eye_m: 70.0, growth: 0.0 }));
         // A sum of steps whose length is exact: 1,200 m within the millimetre of the heights.
         assert!((seen.transmittance / expected - 1.0).abs() < 1e-5, "{seen:?} {expected}");
     }
@@ -159,7 +159,7 @@ mod tests {
     #[test]
     fn shorter_steps_change_little_and_the_deck_pass_is_near() {
         let plan = cumulus();
-        ReferenceExecutor::new().prepared(&plan, |table, layers, _| {
+        ReferenceExecutor::new().prepared(&plan, |table, layers, _, _| {
             let of = |at_eye_m| deck(&plan, table, layers, Step { at_eye_m, growth: 0.002 });
             let (coarse, fine) = (of(4.0), of(2.0));
             let apart = |other: &dyn Fn(usize) -> f64| {

@@ -1,7 +1,10 @@
 //! Images at their own resolution that a picture is put together from: the deck, and the shadows on the ground.
 
+use crate::passes::common::Camera;
 use crate::passes::deck::twin::{OPAQUE, Prepared, walk};
 use crate::passes::glow::twin::Level;
+use crate::passes::relief::field::Grids;
+use crate::passes::relief::twin as relief;
 use crate::passes::shadow::twin::{Caster, through_all};
 use crate::passes::sky::table::Texel;
 use crate::passes::sky::twin as sky;
@@ -34,6 +37,12 @@ impl<T: Copy + Send + Add<Output = T> + Mul<f32, Output = T>> Image<T> {
         Self { size, texels }
     }
 
+    /// The texel under a point of the whole picture, 0 to 1.
+    pub fn under(&self, u: f32, v: f32) -> T {
+        let at = |share: f32, count: usize| ((share * count as f32) as usize).min(count - 1);
+        self.texels[at(u, self.size[0]) + at(v, self.size[1]) * self.size[0]]
+    }
+
     /// Bilinear, clamped; coordinates in the whole picture, 0 to 1.
     pub fn at(&self, u: f32, v: f32) -> T {
         let [width, height] = self.size;
@@ -50,16 +59,34 @@ impl<T: Copy + Send + Add<Output = T> + Mul<f32, Output = T>> Image<T> {
     }
 }
 
+/// Range at which the ray of a point of the picture meets the ground; infinite where it does not.
+pub fn range(ranges: Option<&Image<f32>>, camera: &Camera, at: [f32; 2], direction: Vec3) -> f32 {
+    match ranges {
+        Some(ranges) => ranges.under(at[0] / camera.width_px, at[1] / camera.height_px),
+        None => ground::twin::range(camera, direction),
+    }
+}
+
+/// Range at which each pixel's ray meets the ground; `None`: the ground is a sphere.
+pub fn ranges(plan: &FramePlan, grids: Option<&Grids>) -> Option<Image<f32>> {
+    let grids = grids.filter(|_| plan.terrain())?;
+    let camera = &plan.camera;
+    Some(Image::drawn([camera.width_px, camera.height_px], f32::INFINITY, |x, y| {
+        relief::range(grids, camera, camera.ray(x as f32 + 0.5, y as f32 + 0.5))
+    }))
+}
+
 /// The deck by itself: luminance and what it hides.
-pub fn deck(plan: &FramePlan, table: &[Texel], layers: &[Prepared]) -> Image<Vec4> {
+pub fn deck(plan: &FramePlan, table: &[Texel], layers: &[Prepared], ranges: Option<&Image<f32>>) -> Image<Vec4> {
     if layers.is_empty() {
         return Image::uniform(Vec4::ZERO);
     }
     let camera = plan.camera.coarser(plan.deck_scale);
     let legs = plan.legs();
     Image::drawn([camera.width_px, camera.height_px], Vec4::ZERO, |x, y| {
-        let direction = camera.ray(x as f32 + 0.5, y as f32 + 0.5);
-        let end_m = ground::twin::range(&camera, direction);
+        let at = [x as f32 + 0.5, y as f32 + 0.5];
+        let direction = camera.ray(at[0], at[1]);
+        let end_m = range(ranges, &camera, at, direction);
         let (air, passed) = sky::air(&plan.sky, table, direction);
         // Luminance that an endless column of this air would have: what haze in front of things tends to.
         let endless = air / (1.0 - passed).max(0.02);
@@ -91,16 +118,16 @@ pub fn strokes(plan: &FramePlan, layers: &[Prepared]) -> Option<Image<f32>> {
 }
 
 /// Share of the light that reaches the ground through all layers.
-pub fn shadow(plan: &FramePlan, casters: &[Caster], deck: &Image<Vec4>) -> Image<f32> {
+pub fn shadow(plan: &FramePlan, casters: &[Caster], deck: &Image<Vec4>, ranges: Option<&Image<f32>>) -> Image<f32> {
     let Some(shadow) = &plan.shadow else { return Image::uniform(1.0) };
     let camera = plan.camera.coarser(shadow.scale);
     let [width, height] = [camera.width_px, camera.height_px];
     Image::drawn([width, height], 1.0, |x, y| {
         let at = [x as f32 + 0.5, y as f32 + 0.5];
         let direction = camera.ray(at[0], at[1]);
-        let t = ground::twin::range(&camera, direction);
+        let t = range(ranges, &camera, at, direction);
         // What the deck hides is read by its neighbours where a texel is larger than a pixel.
         let hidden = shadow.scale == 1 && 1.0 - deck.at(at[0] / width, at[1] / height).w < OPAQUE;
-        if t.is_infinite() || hidden { 1.0 } else { through_all(casters, &camera, direction, t) }
+        if t.is_infinite() || hidden { 1.0 } else { through_all(casters, &camera, direction, t, plan.terrain()) }
     })
 }

@@ -9,9 +9,13 @@ use crate::clouds::density::DensityVolume;
 use crate::clouds::{CloudKind, detail, modulation};
 use crate::frame::Pixels;
 use crate::passes::deck::field::{Textures, column_bounds};
+use crate::passes::deck::glow::{self, GlowWindow};
 use crate::passes::deck::twin::{OPAQUE, Prepared};
 use crate::passes::light::Light;
 use crate::passes::light::volume::Volume;
+use crate::passes::relief::Relief;
+use crate::passes::relief::field::Grids;
+use crate::passes::relief::window::{Tiles, Window, highest_m};
 use crate::passes::shadow::table::{self, Table};
 use crate::passes::shadow::twin::Caster;
 use crate::passes::shadow::{Columns, shade};
@@ -38,6 +42,11 @@ pub struct ReferenceExecutor {
     volumes: VecDeque<((CloudKind, Light), Arc<Volume>)>,
     bounds: VecDeque<(CloudKind, Arc<Vec<u8>>)>,
     shadows: VecDeque<((CloudKind, Columns), Arc<Table>)>,
+    tiles: Tiles,
+    nodes: Option<(Window, Arc<Vec<u32>>)>,
+    light_tiles: Tiles,
+    lights: Option<(Window, Arc<Vec<u32>>)>,
+    glow: Option<(GlowWindow, Arc<Vec<glow::Texel>>)>,
 }
 
 impl ReferenceExecutor {
@@ -48,13 +57,21 @@ impl ReferenceExecutor {
 
     /// Draws a plan at once.
     pub fn draw(&mut self, plan: &FramePlan) -> Pixels {
-        self.prepared(plan, |table, layers, casters| picture(plan, table, layers, casters))
+        self.prepared(plan, |table, layers, casters, grids| picture(plan, table, layers, casters, grids))
     }
 
     /// Makes everything that a plan's pixels read, and hands it over: the table of scattered light, the
-    /// layers, and what casts shadows.
-    pub fn prepared<T>(&mut self, plan: &FramePlan, work: impl FnOnce(&[Texel], &[Prepared], &[Caster]) -> T) -> T {
+    /// layers, what casts shadows, and the heights around the eye.
+    pub fn prepared<T>(
+        &mut self,
+        plan: &FramePlan,
+        work: impl FnOnce(&[Texel], &[Prepared], &[Caster], Option<&Grids>) -> T,
+    ) -> T {
         let table = self.table(&plan.table);
+        let lit = plan.glow.as_ref().map(|plan| (plan.glow, self.glow(&plan.window)));
+        if plan.glow.is_none() {
+            self.glow = None;
+        }
         let most = plan.layers.iter().map(|layer| layer.light.len()).sum::<usize>().max(VOLUMES_KEPT);
         let mut volumes = Vec::new();
         let (mut bounds, mut shapes) = (Vec::new(), Vec::new());
@@ -72,6 +89,7 @@ impl ReferenceExecutor {
             map: modulation::map(),
             detail: detail::volume(),
             shade: shades[i].as_deref(),
+            glow: lit.as_ref().map(|(glow, table)| (glow, table.as_slice())),
         };
         let layers: Vec<Prepared> = plan
             .layers
@@ -81,7 +99,16 @@ impl ReferenceExecutor {
             .collect();
         let shadows = plan.shadow.as_ref().map_or(&[][..], |shadow| &shadow.casters);
         let tables = self.shadows(plan, shadows);
-        work(&table, &layers, &casters(plan, shadows, &tables))
+        let nodes = plan.relief.as_ref().map(|relief| self.nodes(&relief.window));
+        let lies = plan.relief.as_ref().zip(nodes.as_ref());
+        let lies = lies.map(|(plan, nodes)| Relief { highest_m: highest_m(nodes), ..plan.relief });
+        let lamps = plan.relief.as_ref().filter(|relief| relief.lights).map(|relief| self.lights(&relief.window));
+        if lamps.is_none() {
+            (self.lights, self.light_tiles) = (None, Tiles::default());
+        }
+        let lights = lamps.as_ref().map(|lights| lights.as_slice());
+        let grids = lies.as_ref().zip(nodes.as_ref()).map(|(relief, nodes)| Grids { relief, nodes, lights });
+        work(&table, &layers, &casters(plan, shadows, &tables), grids.as_ref())
     }
 
     /// The map of the shade on a layer.
@@ -99,6 +126,42 @@ impl ReferenceExecutor {
             _ => {
                 let table = Arc::new(build(params));
                 self.table = Some((*params, table.clone()));
+                table
+            }
+        }
+    }
+
+    /// The heights of a window; made where they are not those of the picture before.
+    fn nodes(&mut self, window: &Window) -> Arc<Vec<u32>> {
+        match &self.nodes {
+            Some((kept, nodes)) if kept == window => nodes.clone(),
+            _ => {
+                let nodes = Arc::new(self.tiles.nodes(window));
+                self.nodes = Some((window.clone(), nodes.clone()));
+                nodes
+            }
+        }
+    }
+
+    /// The lights of cities in a window.
+    fn lights(&mut self, window: &Window) -> Arc<Vec<u32>> {
+        match &self.lights {
+            Some((kept, lights)) if kept == window => lights.clone(),
+            _ => {
+                let lights = Arc::new(self.light_tiles.filled(window, ground::lights::tile));
+                self.lights = Some((window.clone(), lights.clone()));
+                lights
+            }
+        }
+    }
+
+    /// The glow table of a window.
+    fn glow(&mut self, window: &GlowWindow) -> Arc<Vec<glow::Texel>> {
+        match &self.glow {
+            Some((kept, table)) if kept == window => table.clone(),
+            _ => {
+                let table = Arc::new(glow::build(window));
+                self.glow = Some((*window, table.clone()));
                 table
             }
         }
@@ -140,12 +203,20 @@ fn keep<K: PartialEq, V>(kept: &mut VecDeque<(K, Arc<V>)>, key: K, most: usize, 
 }
 
 /// The picture of a plan from what [`ReferenceExecutor::prepared`] hands over, or from layers changed to compare with.
-pub fn picture(plan: &FramePlan, table: &[Texel], layers: &[Prepared], casters: &[Caster]) -> Pixels {
+pub fn picture(
+    plan: &FramePlan,
+    table: &[Texel],
+    layers: &[Prepared],
+    casters: &[Caster],
+    grids: Option<&Grids>,
+) -> Pixels {
     let [width, height] = plan.size_px.map(|n| n as usize);
-    let deck = images::deck(plan, table, layers);
-    let shadow = images::shadow(plan, casters, &deck);
+    let ranges = images::ranges(plan, grids);
+    let ranges = ranges.as_ref();
+    let deck = images::deck(plan, table, layers, ranges);
+    let shadow = images::shadow(plan, casters, &deck, ranges);
     let strokes = images::strokes(plan, layers);
-    let behind = Scene { plan, table, deck: &deck, shadow: &shadow, strokes: strokes.as_ref() };
+    let behind = Scene { plan, table, grids, ranges, deck: &deck, shadow: &shadow, strokes: strokes.as_ref() };
     match plan.output {
         Output::Srgb8 => {
             let mut bytes = vec![0u8; width * height * 4];
@@ -173,6 +244,8 @@ pub fn picture(plan: &FramePlan, table: &[Texel], layers: &[Prepared], casters: 
 struct Scene<'a> {
     plan: &'a FramePlan,
     table: &'a [Texel],
+    grids: Option<&'a Grids<'a>>,
+    ranges: Option<&'a Image<f32>>,
     deck: &'a Image<Vec4>,
     shadow: &'a Image<f32>,
     strokes: Option<&'a Image<f32>>,
@@ -188,7 +261,7 @@ impl Scene<'_> {
 
     /// Luminance of one pixel without them, cd/m2 per colour.
     fn luminance(&self, x: usize, y: usize) -> Vec3 {
-        let Self { plan, table, deck, shadow, .. } = *self;
+        let Self { plan, table, grids, ranges, deck, shadow, .. } = *self;
         let at = [x as f32 + 0.5, y as f32 + 0.5];
         let [u, v] = [at[0] / plan.camera.width_px, at[1] / plan.camera.height_px];
         let gathered = deck.at(u, v);
@@ -198,13 +271,26 @@ impl Scene<'_> {
         }
         let direction = plan.camera.ray(at[0], at[1]);
         let (air, passed) = sky::air(&plan.sky, table, direction);
-        let end_m = ground::twin::range(&plan.camera, direction);
+        let camera = &plan.camera;
+        let end_m = images::range(ranges, camera, at, direction);
         let behind = match &plan.ground {
-            Some(g) if end_m.is_finite() => {
-                let lit = shadow.at(u, v);
-                air + passed * ground::twin::luminance(g, modulation::map(), &plan.camera, direction, end_m, lit)
+            Some(ground) if end_m.is_finite() => {
+                let terrain = plan.terrain();
+                let place = ground::twin::Place { ground, map: modulation::map(), grids: grids.copied(), terrain };
+                let seen = place.luminance(camera, direction, end_m, shadow.at(u, v));
+                if terrain {
+                    // Air up to ground that may stand before the sky.
+                    let passed_here = camera.air_transmittance(camera.height_at(direction.z, end_m), end_m);
+                    seen * passed_here + air / (1.0 - passed).max(0.02) * (1.0 - passed_here)
+                } else {
+                    air + passed * seen
+                }
             }
-            _ => air + sky::discs(&plan.sky, direction),
+            _ => {
+                let stars = plan.stars.as_ref();
+                let stars = stars.map_or(Vec3::ZERO, |stars| sky::starlight(stars, &plan.sky, direction, passed));
+                air + sky::discs(&plan.sky, direction) + stars
+            }
         };
         gathered.truncate() + behind * shows
     }

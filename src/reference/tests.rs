@@ -65,11 +65,12 @@ fn mean_opacity(plan: &FramePlan) -> f64 {
                 map: modulation::map(),
                 detail: detail::volume(),
                 shade: None,
+                glow: None,
             };
             Prepared::new(&layer.layer, layer.slices, textures)
         })
         .collect();
-    let texels = images::deck(plan, &table, &layers).texels;
+    let texels = images::deck(plan, &table, &layers, None).texels;
     texels.iter().map(|texel| f64::from(texel.w)).sum::<f64>() / texels.len() as f64
 }
 

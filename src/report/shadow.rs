@@ -98,6 +98,7 @@ impl Sky {
             map: modulation::map(),
             detail: detail::volume(),
             shade: None,
+            glow: None,
         };
         let marched = |steps: u32| -> Vec<f32> {
             points.iter().map(|p| march::through(&self.layer, &textures, EARTH_M, *p, steps)).collect()

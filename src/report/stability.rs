@@ -156,7 +156,7 @@ fn marched(executor: &mut ReferenceExecutor, plan: &FramePlan) -> Vec<f32> {
     without.layers.iter_mut().for_each(|l| l.layer.extinction_per_m = 0.0);
     let behind = values(executor.draw(&without));
     let step = Step { at_eye_m: 1.0, growth: 0.002 };
-    let seen = executor.prepared(plan, |table, layers, _| deck(plan, table, layers, step));
+    let seen = executor.prepared(plan, |table, layers, _, _| deck(plan, table, layers, step));
     let pixel = |(seen, behind): (&crate::reference::converged::Seen, &[f32])| {
         std::array::from_fn::<f32, 3, _>(|c| (seen.luminance[c] + f64::from(behind[c]) * seen.transmittance) as f32)
     };
@@ -188,8 +188,9 @@ fn coverage(run: &mut Run) -> Result<(), Stopped> {
             let above = EyePoint { size_px: [24, 24], field_of_view_deg: 90.0, ..eye(100_000.0, -90.0) };
             let plan = scene::plan_of(&scene::snapshot(above, &[layer], DEFAULT_QUALITY)?, Output::LinearRgb)?;
             let step_m = thickness_m / 64.0;
-            let seen = executor
-                .prepared(&plan, |table, layers, _| deck(&plan, table, layers, Step { at_eye_m: step_m, growth: 0.0 }));
+            let seen = executor.prepared(&plan, |table, layers, _, _| {
+                deck(&plan, table, layers, Step { at_eye_m: step_m, growth: 0.0 })
+            });
             let opacity = seen.iter().map(|s| 1.0 - s.transmittance).sum::<f64>() / seen.len() as f64;
             // A slanted ray is longer than the column: its depth is brought to the vertical.
             let hidden = seen.iter().enumerate().filter(|(i, s)| {

@@ -245,7 +245,8 @@ impl Session {
             Query::Statistics => Outbound::Statistics(statistics::statistics(&self.app, seq)),
             Query::Heights(at) => {
                 let point = at.geodetic();
-                let found = outputs::ground::hat_hot(&point);
+                let found =
+                    self.work_out(move |snapshot, _| outputs::ground::hat_hot(&snapshot.terrain, &point)).await?;
                 let found =
                     found.ok_or_else(|| Refused::new("latitude_deg", at.latitude_deg, "", "there is no ground"))?;
                 Outbound::Heights(HeightsMessage::new(seq, &point, &found))

@@ -212,6 +212,7 @@ fn new_world(settings: &Settings) -> World {
     let mut world = World::new();
     world.set_quality(settings.quality());
     world.set_flicker_guard(settings.flicker_guard_per_s.map(FlickerGuard::new));
+    world.set_terrain(settings.terrain.terrain());
     world
 }
 

@@ -31,6 +31,7 @@ pub use event::{Applied, Event, Refused};
 pub use snapshot::Snapshot;
 pub use timeline::{TimedCommand, Timeline};
 
+use crate::geo::terrain::Terrain;
 use crate::lightning::flash::LONGEST_FLASH_S;
 use crate::lightning::guard::FlickerGuard;
 use crate::passes::light::encoding::Encoding;
@@ -58,6 +59,7 @@ pub struct World {
     player: Player,
     quality: Quality,
     guard: Option<FlickerGuard>,
+    terrain: Terrain,
     snapshots: u64,
 }
 
@@ -69,9 +71,10 @@ impl Default for World {
 
 impl World {
     /// Ownship at 47 N 8 E, 1500 m; clear, visibility 40 km; one view "main" of 640 x 360 and 60 degrees;
-    /// 2026-06-21T11:30:00Z at rate 1; no scenario, the time running.
+    /// 2026-06-21T11:30:00Z at rate 1; no scenario, the time running; the ground is the bare ellipsoid.
     pub fn new() -> Self {
-        Self { state: State::new(1), player: Player::default(), quality: DEFAULT_QUALITY, guard: None, snapshots: 0 }
+        let (quality, terrain) = (DEFAULT_QUALITY, Terrain::ELLIPSOID);
+        Self { state: State::new(1), player: Player::default(), quality, terrain, guard: None, snapshots: 0 }
     }
 
     /// Applies a command at the present simulation time.
@@ -151,7 +154,7 @@ impl World {
     /// `wait`: channels that are not there yet are grown first.
     fn look(&self, shutter_s: f64, wait: bool) -> Snapshot {
         let shutter_s = if shutter_s > 0.0 { shutter_s.min(limits::SIMULATION_TIME_S[1]) } else { 0.0 };
-        let mut snapshot = self.state.snapshot(self.snapshots, shutter_s, self.quality);
+        let mut snapshot = self.state.snapshot(self.snapshots, shutter_s, self.quality, self.terrain.clone());
         snapshot.flashes = self.player.flashes(&self.state, snapshot.shutter_s, self.guard);
         let giving = snapshot.flashes.iter_mut().filter(|flash| !flash.lights.is_empty());
         let giving: Vec<_> = giving.map(|flash| (self.state.channel(flash), flash)).collect();
@@ -185,6 +188,11 @@ impl World {
     /// that began and ended in a single leap of the time may be missing.
     pub fn take_thunder(&mut self) -> Vec<Thunder> {
         self.state.take_thunder()
+    }
+
+    /// Sets where the ground is.
+    pub fn set_terrain(&mut self, terrain: Terrain) {
+        self.terrain = terrain;
     }
 
     /// Numbers of the flashes that have ended since the last call, whether anybody saw them or not.

@@ -1,6 +1,7 @@
 //! A snapshot: everything that a picture or an answer depends on, at one moment, never changed after it was taken.
 
 use crate::clouds::CloudKind;
+use crate::geo::terrain::Terrain;
 use crate::geo::{Attitude, Geodetic};
 use crate::lightning::flash::Light;
 use crate::lightning::strike::StrikeChannel;
@@ -39,6 +40,8 @@ pub struct Snapshot {
     pub sky: SkyState,
     /// What may be spent.
     pub quality: Quality,
+    /// Where the ground is.
+    pub terrain: Terrain,
 }
 
 impl Snapshot {

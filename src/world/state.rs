@@ -2,6 +2,7 @@
 
 use crate::geo::Geodetic;
 use crate::geo::celestial::sun_and_moon;
+use crate::geo::terrain::Terrain;
 use crate::lightning::flash::LONGEST_FLASH_S;
 use crate::lightning::strike::StrikeSpec;
 use std::collections::{BTreeMap, VecDeque};
@@ -235,7 +236,7 @@ impl State {
     }
 
     /// Everything at this moment but the flashes, of which the scenario's player knows more.
-    pub fn snapshot(&self, number: u64, shutter_s: f64, quality: Quality) -> Snapshot {
+    pub fn snapshot(&self, number: u64, shutter_s: f64, quality: Quality, terrain: Terrain) -> Snapshot {
         let now_s = self.now_s;
         let utc_s = self.clock.utc_s(now_s);
         let sky = sun_and_moon(utc_s);
@@ -260,6 +261,7 @@ impl State {
                 starlight: self.sky.starlight,
             },
             quality,
+            terrain,
         }
     }
 

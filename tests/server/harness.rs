@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::time::Duration;
 use stormdeck::serve::client::{Client, Incoming};
 use stormdeck::serve::{self, ServeError};
-use stormdeck::settings::Settings;
+use stormdeck::settings::{Settings, TerrainChoice};
 use stormdeck::wire::frames::{self, FrameHeader};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpStream};
@@ -160,7 +160,8 @@ fn content_length(head: &str) -> usize {
 }
 
 fn settings() -> Settings {
-    Settings { scenario: None, ..Settings::default() }
+    // Over the bare ellipsoid heights are what the tests say.
+    Settings { scenario: None, terrain: TerrainChoice::Ellipsoid, ..Settings::default() }
 }
 
 /// A frame as a client has it.

@@ -1,8 +1,9 @@
 //! The density and light of a layer at a point; twin of the functions of the same names in `field.wgsl`.
 
+use super::glow::{CityGlow, SPACING_M, Texel, WIDTH, sample};
 use super::{DETAIL_FADE_M, FLASH_CAP_M, Layer, Region};
 use crate::clouds::{density, detail, modulation};
-use crate::passes::common::{Chart, chart_weights, smoothstep, stereographic};
+use crate::passes::common::{Chart, chart_weights, displacement, smoothstep, stereographic};
 use crate::passes::light::encoding::{Encoding, View, decode};
 use crate::passes::light::volume::Volume;
 use crate::passes::sampling::{map_repeat, volume_byte};
@@ -24,6 +25,8 @@ pub struct Textures<'a> {
     pub detail: &'a [u8],
     /// The map of shade by higher layers, where these shade the layer.
     pub shade: Option<&'a [f32]>,
+    /// City glow and how its table lies; `None`: there is none.
+    pub glow: Option<(&'a CityGlow, &'a [Texel])>,
 }
 
 /// A bound below this need not be followed up by a look: no neighbour within a step is cloud, so that it matters to nobody
@@ -135,6 +138,18 @@ pub fn shown(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_m
 pub fn view(layer: &Layer, direction: Vec3) -> View {
     let light = Vec3::from(layer.light_direction);
     View { direction, light, lobes: phases(direction.dot(light)) }
+}
+
+/// Colour of a city's lamps.
+pub const CITY_COLOUR: Vec3 = Vec3::new(1.0, 0.72, 0.42);
+
+/// Light from below by cities at a point, over 4 pi as a layer's own light from the ground.
+pub fn city_glow(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_m: f32) -> Vec3 {
+    let Some((glow, table)) = textures.glow else { return Vec3::ZERO };
+    let z = stereographic(p, earth_m, earth_m + height_m) * Vec2::from(glow.stretch);
+    let moved = displacement(glow.a.into(), glow.c.into(), z);
+    let lux = sample(table, Vec2::from(glow.origin) + moved * (1.0 / (WIDTH as f64 * SPACING_M) as f32));
+    CITY_COLOUR * (2.0 * 0.079_577_47 * lux.dot(Vec4::from(layer.glow)))
 }
 
 /// Cornette-Shanks (eq. 10) as a weighted sum (eq. 9) of a forward and a backward lobe, 1/sr, at the cosine of the

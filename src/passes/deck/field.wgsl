@@ -48,9 +48,17 @@ struct Layer {
     shade_near_m: f32,
     shade_span: f32,
     pad2: f32,
+    glow: vec4<f32>,
     chart: array<Chart, 3>,
     outline: array<Region, 16>,
     flash: array<Flash, 64>,
+}
+
+struct CityGlow {
+    a: vec2<f32>,
+    c: vec2<f32>,
+    stretch: vec2<f32>,
+    origin: vec2<f32>,
 }
 
 // What a scene does not need is not in its pipeline.
@@ -60,6 +68,7 @@ override FLASHES: bool = true;
 override SHADED: bool = true;
 // What the light volumes hold: 0 shares, 1 the flux as a vector, 2 as a vector stored as n/2 + 0.5.
 override FLUX: u32 = 0u;
+override GLOW: bool = true;
 
 const TILE_M: f32 = 16000.0;
 const DETAIL_TILE_M: f32 = 1397.0;
@@ -91,6 +100,12 @@ const PER_STERADIAN: f32 = 0.07957747;
 @group(1) @binding(7) var tiled: sampler;
 // The map of shade by higher layers.
 @group(1) @binding(8) var shades: texture_2d<f32>;
+@group(1) @binding(9) var<storage, read> glow: CityGlow;
+// Illuminance from below by cities, for four heights of the base.
+@group(1) @binding(10) var glow_table: texture_2d<f32>;
+
+const GLOW_WIDTH_M: f32 = 512000.0;
+const CITY_COLOUR: vec3<f32> = vec3<f32>(1.0, 0.72, 0.42);
 
 fn region_presence(region: Region, z: vec2<f32>) -> f32 {
     let d = z - region.centre_m;
@@ -329,6 +344,13 @@ fn shown(p: vec3<f32>, height: f32) -> f32 {
     return textureSampleLevel(shades, clamped, place, 0.0).r;
 }
 
+// Light from below by cities at a point, over 4 pi as a layer's own light from the ground.
+fn city_glow(p: vec3<f32>, height: f32) -> vec3<f32> {
+    let moved = displacement(glow.a, glow.c, stereographic(p, camera.earth_m + height) * glow.stretch);
+    let lux = textureSampleLevel(glow_table, clamped, glow.origin + moved * (1.0 / GLOW_WIDTH_M), 0.0);
+    return CITY_COLOUR * (2.0 * PER_STERADIAN * dot(lux, layer.glow));
+}
+
 // Luminance that a point of cloud sends towards the eye where it is opaque.
 fn source(stored: vec4<f32>, view: View, p: vec3<f32>, height: f32) -> vec3<f32> {
     var shares = lit(stored, view);
@@ -336,6 +358,9 @@ fn source(stored: vec4<f32>, view: View, p: vec3<f32>, height: f32) -> vec3<f32>
         shares.x *= shown(p, height);
     }
     var light = layer.light_lux * shares.x + layer.sky_lux * shares.y + layer.ground_lux * shares.z;
+    if GLOW {
+        light += city_glow(p, height) * shares.z;
+    }
     if FLASHES {
         for (var i = 0u; i < layer.flashes; i++) {
             let away = p - layer.flash[i].position_m;

@@ -41,7 +41,8 @@ fn crossing(up: f32, height: f32) -> f32 {
     return select(t.y, t.x, FALLING);
 }
 
-fn leg_of(up: f32) -> Leg {
+// `ground`: range at which the ground stops the ray.
+fn leg_of(up: f32, ground: f32) -> Leg {
     let flat_share = max(sqrt(max(1.0 - up * up, 0.0)), 1e-4);
     let lowest = max(-(camera.earth_m + camera.eye_m) * up, 0.0);
     let low_t = crossing(up, heights.low_m);
@@ -58,7 +59,7 @@ fn leg_of(up: f32) -> Leg {
     }
     // What the ray rises through is left through its upper end, or not met.
     end = select(end, 0.0, end >= FAR);
-    end = min(min(end, layer.extent_m / max(flat_share, 1e-3)), crossings(up, 0.0).x);
+    end = min(min(end, layer.extent_m / max(flat_share, 1e-3)), ground);
     var rings_end = begin;
     if begin < end && carried(up, flat_share, begin) {
         rings_end = end;
@@ -120,7 +121,7 @@ fn deck_march(
     let there = vec2<f32>(id) + 0.5;
     let direction = ray_of(there);
     let nearer = textureLoad(before, id, 0);
-    let leg = leg_of(direction.z);
+    let leg = leg_of(direction.z, ground_range(there, direction.z));
     var transmittance = 1.0 - nearer.a;
     // No return stands before the loop: lavapipe lets a loop run to its end for pixels that have returned.
     var going = leg.begin < leg.end && transmittance >= layer.hidden_below;

@@ -6,6 +6,7 @@
 //! stands before both. The twin walks the same pieces ray by ray and stops when nothing more can be seen.
 
 pub mod field;
+pub mod glow;
 pub mod instances;
 pub mod sector;
 pub mod spans;
@@ -128,6 +129,8 @@ pub struct Layer {
     pub shade_span: f32,
     /// Pads to 16 bytes.
     pub pad2: f32,
+    /// How much of the glow table's four heights the layer's base receives; all 0 by day.
+    pub glow: [f32; 4],
     /// The charts.
     pub chart: [Chart; CHARTS],
     /// The outlines of the regions.

@@ -1,10 +1,11 @@
 //! Twin of `march.wgsl` and `deck.wgsl`: walks the crossings of a ray with slices and rings from near to far.
 
-use super::field::{Textures, light_at, margin, shown, source, view};
+use super::field::{Textures, city_glow, light_at, margin, shown, source, view};
 use super::spans::{Heights, Leg};
 use super::{Layer, RING_SHARE, RING_SLICES};
 use crate::clouds::slices::shells;
 use crate::passes::common::Camera;
+use crate::passes::light::encoding::decode;
 use glam::Vec3;
 
 /// Transmittance at which a pixel counts as opaque: what is behind adds less than this share.
@@ -202,7 +203,13 @@ impl Ray<'_> {
         let passed = self.camera.air_transmittance(height, t);
         let light = light_at(layer, &prepared.textures, self.camera.earth_m, p, height);
         let shown = shown(layer, &prepared.textures, self.camera.earth_m, p, height);
-        let seen = source(layer, light, &view(layer, self.direction), p, shown) * passed + self.air * (1.0 - passed);
+        let view = view(layer, self.direction);
+        let mut lit = source(layer, light, &view, p, shown);
+        if prepared.textures.glow.is_some() {
+            let below = city_glow(layer, &prepared.textures, self.camera.earth_m, p, height);
+            lit += below * decode(layer.encoding(), light, &view).ground;
+        }
+        let seen = lit * passed + self.air * (1.0 - passed);
         gathered.luminance += seen * (alpha * gathered.transmittance);
         gathered.transmittance *= 1.0 - alpha;
     }

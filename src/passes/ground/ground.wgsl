@@ -1,4 +1,4 @@
-// The ground where a ray meets it, seen through the air. Twin: twin.rs.
+// The ground where a ray meets it, seen through the air. Stands behind relief/field.wgsl. Twin: twin.rs.
 
 struct Ground {
     light_lux: vec3<f32>,
@@ -7,11 +7,17 @@ struct Ground {
     city_luminance: f32,
     sky_lux: vec3<f32>,
     charts: u32,
+    snow_m: f32,
+    shore_m: f32,
+    pad0: f32,
+    pad1: f32,
     chart: array<Chart, 3>,
     flash: array<Flash, 64>,
 }
 
 @group(1) @binding(0) var<storage, read> ground: Ground;
+// Luminance of lamps by place, on the relief's grids.
+@group(2) @binding(2) var<storage, read> lights: array<u32>;
 // Share of the light that reaches the ground between the clouds.
 @group(1) @binding(1) var shadows: texture_2d<f32>;
 
@@ -20,6 +26,19 @@ override SEVERAL_CHARTS: bool = true;
 override FLASHES: bool = true;
 override CITIES: bool = true;
 override SHADOWS: bool = true;
+override LAND: bool = true;
+
+// Mean albedo of fields far away.
+const FIELDS: vec3<f32> = vec3<f32>(0.125, 0.132, 0.062);
+const BLOCK_M: f32 = 2048.0;
+const BLOCKS: i32 = 32;
+// Cells of the finest lamps, how many of a cell's sides a pixel may span, a lamp's spread in its cell, and a period of the cells.
+const LAMP_M: f32 = 64.0;
+const LAMP_CELLS: f32 = 0.6;
+const LAMP_SPREAD: f32 = 0.17;
+const LAMP_PERIOD: i32 = 1024;
+// Mean square slope of the waves in a wind of 5 m/s.
+const WAVE_SLOPES: f32 = 0.029;
 
 // Where a point lies in the map by each chart, and the charts' weights. No arrays: indexed ones live in memory.
 struct Places {
@@ -83,21 +102,155 @@ fn detail_fade(texel: f32, footprint: f32) -> f32 {
     return 1.0 - smoothstep(0.5 * texel, 2.0 * texel, footprint);
 }
 
+// A number in [0, 1) each, of two counters (Jarzynski and Olano 2020, pcg2d).
+fn hash2(counters: vec2<u32>) -> vec2<f32> {
+    var v = counters * 1664525u + 1013904223u;
+    v.x += v.y * 1664525u;
+    v.y += v.x * 1664525u;
+    v ^= v >> vec2<u32>(16u);
+    v.x += v.y * 1664525u;
+    v.y += v.x * 1664525u;
+    v ^= v >> vec2<u32>(16u);
+    return vec2<f32>(v >> vec2<u32>(8u)) * (1.0 / 16777216.0);
+}
+
+// Colour of the field at a place of the first chart in metres: blocks of 2 km, each with fields of its own size and turn.
+fn field_albedo(place_m: vec2<f32>) -> vec3<f32> {
+    let at = place_m * (1.0 / BLOCK_M);
+    let block = floor(at);
+    // The charts' origins are told in periods of so many blocks.
+    let lot = vec2<u32>(vec2<i32>(block) & vec2<i32>(BLOCKS - 1));
+    let kind = hash2(lot);
+    let turn = vec2<f32>(cos(3.14159265 * kind.x), sin(3.14159265 * kind.x));
+    let local = (at - block - 0.5) * BLOCK_M;
+    let turned = vec2<f32>(turn.x * local.x - turn.y * local.y, turn.y * local.x + turn.x * local.y);
+    let size = vec2<f32>(190.0 + 260.0 * kind.y, 120.0 + 160.0 * fract(kind.y * 7.0));
+    let cell = vec2<u32>(vec2<i32>(floor(turned / size)) + 512);
+    let crop = hash2(cell + lot * 1024u);
+    var found = vec3<f32>(0.070, 0.112, 0.038);
+    found = select(found, vec3<f32>(0.108, 0.150, 0.052), crop.x > 0.3);
+    found = select(found, vec3<f32>(0.205, 0.178, 0.086), crop.x > 0.6);
+    found = select(found, vec3<f32>(0.138, 0.104, 0.068), crop.x > 0.84);
+    return found * (0.85 + 0.3 * crop.y);
+}
+
+struct Country {
+    albedo: vec3<f32>,
+    sea: f32,
+}
+
+// What the ground is made of: `shore` above 0 on land, `steep` the tangent of its slope.
+fn country(places: Places, z: vec2<f32>, shore: f32, height: f32, steep: f32, footprint: f32) -> Country {
+    let soft = max(8.0, 0.3 * footprint);
+    let sea = 1.0 - smoothstep(-soft, soft, shore);
+    let broad = detail(places, 3.0, 0.83, detail_fade(800.0, footprint));
+    let middle = detail(places, 14.0, 0.17, detail_fade(56.0, footprint));
+    let small = detail(places, 60.0, 0.53, detail_fade(13.0, footprint));
+    var land = FIELDS + vec3<f32>(0.03, 0.035, 0.02) * broad;
+    let near = 1.0 - smoothstep(50.0, 200.0, footprint);
+    if near > 0.0 {
+        let bent = 420.0 * vec2<f32>(detail(places, 30.0, 0.1, 1.0), detail(places, 30.0, 0.6, 1.0));
+        let at = ground.chart[0].tile_origin_m + displacement(ground.chart[0].a, ground.chart[0].c, z) + bent;
+        land += (field_albedo(at) - FIELDS) * near;
+    }
+    let rough = 2.0 * middle + small;
+    let woods = smoothstep(0.06, 0.20, 0.9 * middle + 0.5 * small + 0.8 * broad + 0.0001 * height + 0.35 * steep);
+    land = mix(land, vec3<f32>(0.036, 0.052, 0.026) * (1.0 + 0.8 * small), woods);
+    let high = smoothstep(-1100.0, -500.0, height - ground.snow_m + 500.0 * rough);
+    land = mix(land, vec3<f32>(0.112, 0.112, 0.060) * (1.0 + 0.7 * rough), high);
+    let bare = smoothstep(0.55, 1.05, steep + 0.5 * rough + 0.35 * high);
+    land = mix(land, vec3<f32>(0.145, 0.138, 0.128) * (1.0 + 0.7 * rough), bare);
+    let snow = smoothstep(-250.0, 250.0, height - ground.snow_m + 600.0 * rough)
+        * (1.0 - smoothstep(0.9, 1.5, steep + 0.4 * rough));
+    land = mix(land, vec3<f32>(0.74, 0.77, 0.81), snow);
+    land = mix(land, vec3<f32>(0.29, 0.255, 0.19), (1.0 - smoothstep(15.0, 60.0 + soft, shore)) * (1.0 - bare));
+    let shallow = exp(min(shore, 0.0) * (1.0 / 500.0));
+    let water = mix(vec3<f32>(0.006, 0.020, 0.032), vec3<f32>(0.030, 0.075, 0.080), shallow * shallow);
+    return Country(mix(land, water, sea), sea);
+}
+
+// Mean luminance of lamps as a share of a city's core.
+fn city_light(place_m: vec2<f32>, level: f32) -> f32 {
+    let low = min(u32(level), LEVELS - 1u);
+    let share = max((level - f32(low) - ITSELF) * (1.0 / (1.0 - ITSELF)), 0.0);
+    var found = city_light_of_level(low, place_m);
+    if share > 0.0 && low + 1u < LEVELS {
+        found = mix(found, city_light_of_level(low + 1u, place_m), share);
+    }
+    return found;
+}
+
+fn city_light_of_level(level: u32, place_m: vec2<f32>) -> f32 {
+    let lies = relief.level[level];
+    let at = clamp(lies.xy + place_m / lies.z, vec2<f32>(0.0), vec2<f32>(f32(WIDTH - 1u) - 0.001));
+    let low = floor(at);
+    let f = at - low;
+    let first = level * WIDTH * WIDTH + u32(low.y) * WIDTH + u32(low.x);
+    let south = mix(bitcast<f32>(lights[first]), bitcast<f32>(lights[first + 1u]), f.x);
+    let north = mix(bitcast<f32>(lights[first + WIDTH]), bitcast<f32>(lights[first + WIDTH + 1u]), f.x);
+    return mix(south, north, f.y);
+}
+
+// Lamps at a place of the first chart, 1 in the mean: one in each cell, the cells as large as a pixel can tell apart.
+fn lamps(place_m: vec2<f32>, footprint: f32, places: Places) -> vec3<f32> {
+    let size = max(footprint * (1.0 / LAMP_CELLS), LAMP_M);
+    let octave = log2(size * (1.0 / LAMP_M));
+    let low = floor(octave);
+    let light = mix(lamps_of(place_m, low), lamps_of(place_m, low + 1.0), octave - low);
+    // Streets and squares gather lamps, parks have none.
+    let district = 1.0 + 2.2 * detail(places, 20.0, 0.71, detail_fade(40.0, footprint));
+    return light * clamp(district, 0.1, 2.2);
+}
+
+fn lamps_of(place_m: vec2<f32>, octave: f32) -> vec3<f32> {
+    let size = LAMP_M * exp2(octave);
+    let at = place_m / size;
+    let cell = floor(at);
+    // As many cells as the charts' period holds, so that it does not show.
+    let period = max(LAMP_PERIOD >> min(u32(octave), 10u), 1);
+    let lot = vec2<u32>(vec2<i32>(cell) & vec2<i32>(period - 1)) + vec2<u32>(u32(octave) * 4096u, 77u);
+    let jitter = hash2(lot);
+    let kind = hash2(lot + 8191u);
+    let away = at - cell - 0.5 - 0.5 * (jitter - 0.5);
+    // Gaussian spots whose mean over the cell is 1; brighter and fainter ones, warmer and whiter ones.
+    let spot = exp(-dot(away, away) * (1.0 / (LAMP_SPREAD * LAMP_SPREAD))) / (3.14159265 * LAMP_SPREAD * LAMP_SPREAD);
+    let bright = 2.5 * kind.x * kind.x + 0.167;
+    // The larger the cell the more lamps it stands for, the less they differ.
+    let rough = 1.0 / (1.0 + 0.35 * octave);
+    let colour = mix(vec3<f32>(1.0, 0.66, 0.34), vec3<f32>(0.95, 0.86, 0.72), kind.y);
+    return colour * mix(1.0, spot * bright, rough);
+}
+
 fn ground_luminance(direction: vec3<f32>, t: f32, passed: f32) -> vec3<f32> {
     let p = direction * t + vec3<f32>(0.0, 0.0, camera.eye_m);
-    let normal = (p + vec3<f32>(0.0, 0.0, camera.earth_m)) / camera.earth_m;
-    let places = places_of(normal, stereographic(p, camera.earth_m));
-    let footprint = t * t / max(camera.eye_m, 10.0) * length(camera.up) * 2.0 / camera.height_px;
-    let rough = 0.03 * detail(places, 8.0, 0.37, detail_fade(2000.0, footprint));
-    let sea = 1.0 - smoothstep(0.405, 0.415, pattern(places, 1.0, 0.0) + rough);
-    let fields = detail(places, 5.0, 0.61, detail_fade(160.0, footprint))
-        + 0.7 * detail(places, 20.0, 0.17, detail_fade(40.0, footprint));
-    let relief = detail(places, 3.0, 0.83, detail_fade(800.0, footprint));
-    let land = vec3<f32>(0.125, 0.135, 0.070) + vec3<f32>(0.085, 0.060, 0.035) * fields
-        + vec3<f32>(0.03, 0.035, 0.02) * relief;
-    let albedo = land + (vec3<f32>(0.012, 0.030, 0.045) - land) * sea;
+    var height = 0.0;
+    if TERRAIN {
+        height = height_at(direction.z, t);
+    }
+    let radius = camera.earth_m + height;
+    let up = (p + vec3<f32>(0.0, 0.0, camera.earth_m)) / radius;
+    let z = stereographic(p, radius);
+    let places = places_of(up, z);
+    let footprint = t * 2.0 * length(camera.up) / (camera.height_px * clamp(-dot(direction, up), 0.02, 1.0));
+    var normal = up;
+    var shore = ground.shore_m;
+    var steep = 0.0;
+    if LAND {
+        let place = relief_place(p, radius);
+        let level = relief_level(place, t);
+        shore = relief_at(place, level).y;
+        if TERRAIN {
+            let slope = relief_slope(place, level);
+            steep = length(slope);
+            normal = normalize(up - vec3<f32>(slope, 0.0));
+        }
+    }
+    let made = country(places, z, shore, height, steep, footprint);
     let direct = max(dot(normal, ground.light_direction), 0.0) * passed;
-    var lit = ground.light_lux * direct + ground.sky_lux;
+    // A slope sees less of the sky, and for it lit ground.
+    let open = 0.5 + 0.5 * dot(normal, up);
+    var lit = ground.light_lux * direct + ground.sky_lux * open
+        + (ground.light_lux * max(dot(up, ground.light_direction), 0.0) + ground.sky_lux) * (0.13 * (1.0 - open));
     if FLASHES {
         for (var i = 0u; i < ground.flashes; i++) {
             let towards = ground.flash[i].position_m - p;
@@ -106,17 +259,27 @@ fn ground_luminance(direction: vec3<f32>, t: f32, passed: f32) -> vec3<f32> {
             lit += FLASH_COLOUR * (12.56637 * ground.flash[i].intensity * cosine / d2);
         }
     }
-    var seen = lit * albedo * 0.31830987;
-    let facing = clamp(-dot(direction, normal), 0.0, 1.0);
+    var seen = lit * made.albedo * 0.31830987;
+    // The sea mirrors the sky (Schlick), and the light by waves whose slopes are spread evenly (Cox and Munk 1954).
+    let facing = clamp(-dot(direction, up), 0.0, 1.0);
     let fresnel = 0.02 + 0.6 * pow(1.0 - facing, 5.0);
     let middle = ground.light_direction - direction;
     let half_way = middle / max(length(middle), 1e-6);
-    let glitter = pow(max(dot(half_way, normal), 0.0), 220.0) * 2.5 * passed * fresnel;
-    seen += (ground.sky_lux * (0.31830987 * fresnel) + ground.light_lux * glitter) * sea;
+    let level_share = clamp(dot(half_way, up), 0.05, 1.0);
+    let squared = level_share * level_share;
+    let spread = exp((squared - 1.0) / (squared * WAVE_SLOPES)) / (3.14159265 * WAVE_SLOPES * squared * squared);
+    let grazing = clamp(dot(half_way, ground.light_direction), 0.0, 1.0);
+    let mirrors = 0.02 + 0.98 * pow(1.0 - grazing, 5.0);
+    let risen = smoothstep(-0.01, 0.01, dot(up, ground.light_direction));
+    let glitter = risen * mirrors * spread * passed / (4.0 * max(facing, 0.12));
+    seen += (ground.sky_lux * (0.31830987 * fresnel) + ground.light_lux * glitter) * made.sea;
     if CITIES {
-        let towns = smoothstep(0.86, 0.97, pattern(places, 9.0, 0.29)) * (1.0 - sea)
-            * (0.35 + 0.65 * pattern(places, 60.0, 0.71));
-        seen += vec3<f32>(1.0, 0.72, 0.42) * (ground.city_luminance * towns);
+        let place = relief_place(p, radius);
+        let mean = city_light(place, relief_level(place, t)) * (1.0 - made.sea);
+        if mean > 1e-4 {
+            let at = ground.chart[0].tile_origin_m + displacement(ground.chart[0].a, ground.chart[0].c, z);
+            seen += lamps(at, footprint, places) * (ground.city_luminance * mean);
+        }
     }
     return seen;
 }
@@ -129,7 +292,7 @@ fn ground_vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f
 @fragment
 fn ground_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
     let direction = ray_of(at.xy);
-    let t = crossings(direction.z, 0.0).x;
+    let t = ground_range(at.xy, direction.z);
     let shows = 1.0 - deck_over(at.xy).a;
     // No return stands before a loop: lavapipe lets it run to its end for pixels that have returned.
     var seen = vec3<f32>(0.0);
@@ -138,7 +301,11 @@ fn ground_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
         if SHADOWS {
             passed = textureSampleLevel(shadows, clamped, at.xy / vec2<f32>(camera.width_px, camera.height_px), 0.0).r;
         }
-        seen = ground_luminance(direction, t, passed) * (air_along(direction).a * shows);
+        var clear = air_along(direction).a;
+        if TERRAIN {
+            clear = air_transmittance(height_at(direction.z, t), t);
+        }
+        seen = ground_luminance(direction, t, passed) * (clear * shows);
     }
     return vec4<f32>(min(seen * camera.exposure, vec3<f32>(BRIGHTEST)), 0.0);
 }

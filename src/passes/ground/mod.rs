@@ -1,14 +1,18 @@
 //! The ground: land and sea under sun, sky and clouds.
 //!
-//! Land and sea come from the large map at continental scale until real coastlines are there; fields and forests vary
-//! the land's albedo from near to far. The source's light is what reaches the ground between the clouds, times what the
+//! Where there is land and how it rises comes from the relief (see [`super::relief`]); what grows on it is made up: fields in
+//! blocks, woods, meadows, rock and snow by height and slope, from near to far. The source's light is what reaches the ground between the clouds, times what the
 //! shadows leave of it (see [`super::shadow`]); where these are left out, what the layers let through on the whole.
 
+pub mod lights;
 pub mod twin;
 
 use crate::passes::common::{CHARTS, Chart};
 use crate::passes::deck::{FLASHES, Flash};
 use bytemuck::{Pod, Zeroable};
+
+/// Period of the fields: 32 blocks of 2048 m.
+pub const FIELDS_TILE_M: f32 = 65_536.0;
 
 /// Light on the ground and where its textures lie. Parameters; twin of `Ground` in `ground.wgsl`.
 #[repr(C)]
@@ -20,13 +24,21 @@ pub struct Ground {
     pub flashes: u32,
     /// Direction towards the light.
     pub light_direction: [f32; 3],
-    /// Luminance of a city's lights seen from above at night, cd/m2; 0 by day.
+    /// Luminance of a city's core seen from above at night, cd/m2; 0 by day.
     pub city_luminance: f32,
     /// Illuminance by sky and clouds, lux per colour.
     pub sky_lux: [f32; 3],
     /// Number of charts in use.
     pub charts: u32,
-    /// Charts of the ground's textures: `map_origin` at the map's own scale, `tile_origin_m` unused.
+    /// Height above which snow lies.
+    pub snow_m: f32,
+    /// Distance from the shore where no grids tell it: far above 0 on land, far below at sea.
+    pub shore_m: f32,
+    /// Pads to 16 bytes.
+    pub pad0: f32,
+    /// Pads to 16 bytes.
+    pub pad1: f32,
+    /// Charts of the ground's textures: `map_origin` at the map's own scale, `tile_origin_m` in periods of [`FIELDS_TILE_M`].
     pub chart: [Chart; CHARTS],
     /// The flashes.
     pub flash: [Flash; FLASHES],

@@ -4,67 +4,232 @@ use super::Ground;
 use crate::clouds::modulation;
 use crate::passes::common::{CHARTS, Camera, chart_weights, smoothstep, stereographic};
 use crate::passes::deck::FLASH_CAP_M;
+use crate::passes::relief::field::{Grids, level, place};
 use crate::passes::sampling::map_repeat;
-use glam::{Vec2, Vec3};
+use glam::{IVec2, UVec2, Vec2, Vec3};
+use std::f32::consts::{FRAC_1_PI, PI};
 
-/// Range at which a ray meets the ground; infinite if it does not.
+/// Mean albedo of fields far away.
+const FIELDS: Vec3 = Vec3::new(0.125, 0.132, 0.062);
+/// Fields lie in blocks of this size, of which so many make a period.
+const BLOCK_M: f32 = 2_048.0;
+const BLOCKS: i32 = 32;
+/// Mean square slope of the waves in a wind of 5 m/s (Cox and Munk 1954: 0.003 + 0.00512 U).
+const WAVE_SLOPES: f32 = 0.029;
+
+/// Cells of the finest lamps, how many of a cell's sides a pixel may span, a lamp's spread in its cell, and a period of the cells.
+const LAMP_M: f32 = 64.0;
+const LAMP_CELLS: f32 = 0.6;
+const LAMP_SPREAD: f32 = 0.17;
+const LAMP_PERIOD: i32 = 1_024;
+
+/// Range at which a ray meets the sphere that stands for the Earth; infinite if it does not.
 pub fn range(camera: &Camera, direction: Vec3) -> f32 {
     if camera.eye_m <= 0.0 { f32::INFINITY } else { camera.crossings(direction.z, 0.0).0 }
 }
 
-/// Luminance of the ground at range `t_m` along a ray, cd/m2 per colour, without the air in between. `passed` is the
-/// share of the light source that comes through the clouds.
-pub fn luminance(ground: &Ground, map: &[u8], camera: &Camera, direction: Vec3, t_m: f32, passed: f32) -> Vec3 {
-    let p = direction * t_m + Vec3::new(0.0, 0.0, camera.eye_m);
-    let normal = (p + Vec3::new(0.0, 0.0, camera.earth_m)) / camera.earth_m;
-    let z = stereographic(p, camera.earth_m, camera.earth_m);
-    let weights = chart_weights(&ground.chart, ground.charts, normal * camera.earth_m, camera.earth_m);
-    let places: [Vec2; CHARTS] = std::array::from_fn(|i| {
-        let chart = &ground.chart[i];
-        Vec2::from(chart.map_origin) + modulation::coordinates(chart.displacement(z))
-    });
-    let at = |scale: f32, offset: f32| {
+/// What the ground is read from.
+pub struct Place<'a> {
+    /// Parameters.
+    pub ground: &'a Ground,
+    /// The large map.
+    pub map: &'a [u8],
+    /// Heights and distances from the shore; `None`: there is only sea, or only land.
+    pub grids: Option<Grids<'a>>,
+    /// Whether the ground is anywhere else than on the sphere.
+    pub terrain: bool,
+}
+
+/// The map's value about a point by each chart.
+struct Patterns<'a> {
+    map: &'a [u8],
+    places: [Vec2; CHARTS],
+    weights: [f32; CHARTS],
+    charts: usize,
+    footprint: f32,
+}
+
+impl Patterns<'_> {
+    fn at(&self, scale: f32, offset: f32) -> f32 {
         let mut sum = 0.0;
-        for i in 0..ground.charts as usize {
-            if weights[i] > 0.0 {
-                let q = places[i] * scale + Vec2::splat(offset);
-                sum += weights[i] * map_repeat(map, modulation::WIDTH, q.x, q.y);
+        for (place, weight) in self.places.iter().zip(self.weights).take(self.charts) {
+            if weight > 0.0 {
+                let q = *place * scale + Vec2::splat(offset);
+                sum += weight * map_repeat(self.map, modulation::WIDTH, q.x, q.y);
             }
         }
         sum
+    }
+
+    /// The same less its mean, faded out where its texels are finer than a pixel's footprint.
+    fn detail(&self, scale: f32, offset: f32, texel: f32) -> f32 {
+        let fade = 1.0 - smoothstep(0.5 * texel, 2.0 * texel, self.footprint);
+        if fade > 0.0 { fade * (self.at(scale, offset) - 0.5) } else { 0.0 }
+    }
+}
+
+impl Place<'_> {
+    /// Luminance of the ground at range `t_m` along a ray, cd/m2 per colour, without the air in between. `passed` is the
+    /// share of the light source that comes through the clouds.
+    pub fn luminance(&self, camera: &Camera, direction: Vec3, t_m: f32, passed: f32) -> Vec3 {
+        let ground = self.ground;
+        let p = direction * t_m + Vec3::new(0.0, 0.0, camera.eye_m);
+        let height = if self.terrain { camera.height_at(direction.z, t_m) } else { 0.0 };
+        let radius = camera.earth_m + height;
+        let up = (p + Vec3::new(0.0, 0.0, camera.earth_m)) / radius;
+        let z = stereographic(p, camera.earth_m, radius);
+        let facing = -direction.dot(up);
+        let footprint = t_m * 2.0 * Vec3::from(camera.up).length() / (camera.height_px * facing.clamp(0.02, 1.0));
+        let weights = chart_weights(&ground.chart, ground.charts, up * camera.earth_m, camera.earth_m);
+        let places = std::array::from_fn(|i| {
+            let chart = &ground.chart[i];
+            Vec2::from(chart.map_origin) + modulation::coordinates(chart.displacement(z))
+        });
+        let patterns = Patterns { map: self.map, places, weights, charts: ground.charts as usize, footprint };
+        let (mut normal, mut shore, mut steep) = (up, ground.shore_m, 0.0);
+        if let Some(grids) = &self.grids {
+            let place = place(grids.relief, p, camera.earth_m, radius);
+            let level = level(grids.relief, place, t_m);
+            shore = grids.at(place, level).y;
+            if self.terrain {
+                let slope = grids.slope(place, level);
+                steep = slope.length();
+                normal = (up - slope.extend(0.0)).normalize();
+            }
+        }
+        let (albedo, sea) = self.country(&patterns, z, [shore, height, steep]);
+        let light = Vec3::from(ground.light_direction);
+        let (light_lux, sky_lux) = (Vec3::from(ground.light_lux), Vec3::from(ground.sky_lux));
+        // A slope sees less of the sky, and for it lit ground.
+        let open = 0.5 + 0.5 * normal.dot(up);
+        let mut lit = light_lux * (normal.dot(light).max(0.0) * passed)
+            + sky_lux * open
+            + (light_lux * up.dot(light).max(0.0) + sky_lux) * (0.13 * (1.0 - open));
+        for flash in &ground.flash[..ground.flashes as usize] {
+            let towards = Vec3::from(flash.position_m) - p;
+            let d2 = towards.length_squared().max(FLASH_CAP_M * FLASH_CAP_M);
+            let cos = (normal.dot(towards) / d2.sqrt()).max(0.0);
+            lit += Vec3::new(0.80, 0.90, 1.25) * (12.566_37 * flash.intensity * cos / d2);
+        }
+        let mut seen = lit * albedo * FRAC_1_PI;
+        // The sea mirrors the sky (Schlick), and the light by waves whose slopes are spread evenly (Cox and Munk 1954).
+        let facing = facing.clamp(0.0, 1.0);
+        let fresnel = 0.02 + 0.6 * (1.0 - facing).powi(5);
+        let half = (light - direction).normalize_or(Vec3::Z);
+        let level_share = half.dot(up).clamp(0.05, 1.0);
+        let squared = level_share * level_share;
+        let spread = ((squared - 1.0) / (squared * WAVE_SLOPES)).exp() / (PI * WAVE_SLOPES * squared * squared);
+        let mirrors = 0.02 + 0.98 * (1.0 - half.dot(light).clamp(0.0, 1.0)).powi(5);
+        let risen = smoothstep(-0.01, 0.01, up.dot(light));
+        let glitter = risen * mirrors * spread * passed / (4.0 * facing.max(0.12));
+        seen += (sky_lux * (FRAC_1_PI * fresnel) + light_lux * glitter) * sea;
+        if let Some(grids) = self.grids.filter(|grids| grids.lights.is_some()) {
+            let place = place(grids.relief, p, camera.earth_m, radius);
+            let mean = grids.light(place, level(grids.relief, place, t_m)) * (1.0 - sea);
+            if mean > 1e-4 {
+                let chart = &ground.chart[0];
+                let at = Vec2::from(chart.tile_origin_m) + chart.displacement(z);
+                seen += lamps(at, &patterns) * (ground.city_luminance * mean);
+            }
+        }
+        seen
+    }
+
+    /// Albedo, and how much of it is sea: `shore` above 0 on land, `steep` the tangent of the slope.
+    fn country(&self, patterns: &Patterns, z: Vec2, [shore, height, steep]: [f32; 3]) -> (Vec3, f32) {
+        let footprint = patterns.footprint;
+        let soft = (0.3 * footprint).max(8.0);
+        let sea = 1.0 - smoothstep(-soft, soft, shore);
+        let broad = patterns.detail(3.0, 0.83, 800.0);
+        let middle = patterns.detail(14.0, 0.17, 56.0);
+        let small = patterns.detail(60.0, 0.53, 13.0);
+        let mut land = FIELDS + Vec3::new(0.03, 0.035, 0.02) * broad;
+        let near = 1.0 - smoothstep(50.0, 200.0, footprint);
+        if near > 0.0 {
+            let bent = Vec2::new(patterns.at(30.0, 0.1) - 0.5, patterns.at(30.0, 0.6) - 0.5) * 420.0;
+            let chart = &self.ground.chart[0];
+            let at = Vec2::from(chart.tile_origin_m) + chart.displacement(z) + bent;
+            land += (field_albedo(at) - FIELDS) * near;
+        }
+        let rough = 2.0 * middle + small;
+        let woods = smoothstep(0.06, 0.20, 0.9 * middle + 0.5 * small + 0.8 * broad + 0.0001 * height + 0.35 * steep);
+        land = land.lerp(Vec3::new(0.036, 0.052, 0.026) * (1.0 + 0.8 * small), woods);
+        let over_snow = height - self.ground.snow_m;
+        let high = smoothstep(-1_100.0, -500.0, over_snow + 500.0 * rough);
+        land = land.lerp(Vec3::new(0.112, 0.112, 0.060) * (1.0 + 0.7 * rough), high);
+        let bare = smoothstep(0.55, 1.05, steep + 0.5 * rough + 0.35 * high);
+        land = land.lerp(Vec3::new(0.145, 0.138, 0.128) * (1.0 + 0.7 * rough), bare);
+        let snow =
+            smoothstep(-250.0, 250.0, over_snow + 600.0 * rough) * (1.0 - smoothstep(0.9, 1.5, steep + 0.4 * rough));
+        land = land.lerp(Vec3::new(0.74, 0.77, 0.81), snow);
+        let beach = (1.0 - smoothstep(15.0, 60.0 + soft, shore)) * (1.0 - bare);
+        land = land.lerp(Vec3::new(0.29, 0.255, 0.19), beach);
+        let shallow = (shore.min(0.0) * (1.0 / 500.0)).exp();
+        let water = Vec3::new(0.006, 0.020, 0.032).lerp(Vec3::new(0.030, 0.075, 0.080), shallow * shallow);
+        (land.lerp(water, sea), sea)
+    }
+}
+
+/// A number in [0, 1) each, of two counters (Jarzynski and Olano 2020, pcg2d).
+fn hash2(counters: UVec2) -> Vec2 {
+    let step = |v: u32| v.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+    let (mut x, mut y) = (step(counters.x), step(counters.y));
+    for _ in 0..2 {
+        x = x.wrapping_add(y.wrapping_mul(1_664_525));
+        y = y.wrapping_add(x.wrapping_mul(1_664_525));
+        (x, y) = (x ^ x >> 16, y ^ y >> 16);
+    }
+    Vec2::new((x >> 8) as f32, (y >> 8) as f32) * (1.0 / 16_777_216.0)
+}
+
+/// Colour of the field at a place of the first chart in metres: blocks of 2 km, each with fields of its own size and turn.
+fn field_albedo(place_m: Vec2) -> Vec3 {
+    let at = place_m * (1.0 / BLOCK_M);
+    let block = at.floor();
+    // The charts' origins are told in periods of so many blocks.
+    let lot = (block.as_ivec2() & IVec2::splat(BLOCKS - 1)).as_uvec2();
+    let kind = hash2(lot);
+    let turn = Vec2::new((PI * kind.x).cos(), (PI * kind.x).sin());
+    let local = (at - block - Vec2::splat(0.5)) * BLOCK_M;
+    let turned = Vec2::new(turn.x * local.x - turn.y * local.y, turn.y * local.x + turn.x * local.y);
+    let size = Vec2::new(190.0 + 260.0 * kind.y, 120.0 + 160.0 * (kind.y * 7.0).fract());
+    let cell = ((turned / size).floor().as_ivec2() + IVec2::splat(512)).as_uvec2();
+    let crop = hash2(cell + lot * 1_024);
+    let found = match crop.x {
+        crop if crop > 0.84 => Vec3::new(0.138, 0.104, 0.068),
+        crop if crop > 0.6 => Vec3::new(0.205, 0.178, 0.086),
+        crop if crop > 0.3 => Vec3::new(0.108, 0.150, 0.052),
+        _ => Vec3::new(0.070, 0.112, 0.038),
     };
-    // Footprint of a pixel on the ground: finer detail than that is averaged away.
-    let footprint = t_m * t_m / camera.eye_m.max(10.0) * Vec3::from(camera.up).length() * 2.0 / camera.height_px;
-    let fade = |texel: f32| 1.0 - smoothstep(0.5 * texel, 2.0 * texel, footprint);
-    let detail = |scale: f32, offset: f32, fade: f32| if fade > 0.0 { fade * (at(scale, offset) - 0.5) } else { 0.0 };
-    let sea = 1.0 - smoothstep(0.405, 0.415, at(1.0, 0.0) + 0.03 * detail(8.0, 0.37, fade(2_000.0)));
-    let fields = detail(5.0, 0.61, fade(160.0)) + 0.7 * detail(20.0, 0.17, fade(40.0));
-    let relief = detail(3.0, 0.83, fade(800.0));
-    let land = Vec3::new(0.125, 0.135, 0.070)
-        + Vec3::new(0.085, 0.060, 0.035) * fields
-        + Vec3::new(0.03, 0.035, 0.02) * relief;
-    let albedo = land + (Vec3::new(0.012, 0.030, 0.045) - land) * sea;
-    let light = Vec3::from(ground.light_direction);
-    let direct = normal.dot(light).max(0.0) * passed;
-    let mut lit = Vec3::from(ground.light_lux) * direct + Vec3::from(ground.sky_lux);
-    for flash in &ground.flash[..ground.flashes as usize] {
-        let towards = Vec3::from(flash.position_m) - p;
-        let d2 = towards.length_squared().max(FLASH_CAP_M * FLASH_CAP_M);
-        let cos = (normal.dot(towards) / d2.sqrt()).max(0.0);
-        lit += Vec3::new(0.80, 0.90, 1.25) * (12.566_37 * flash.intensity * cos / d2);
-    }
-    let mut seen = lit * albedo * std::f32::consts::FRAC_1_PI;
-    // The sea also mirrors sky and sun (Schlick's Fresnel term; the sun's glitter as a broad lobe).
-    let facing = (-direction.dot(normal)).clamp(0.0, 1.0);
-    let fresnel = 0.02 + 0.6 * (1.0 - facing).powi(5);
-    let half = (light - direction).normalize_or(Vec3::Z);
-    let glitter = half.dot(normal).max(0.0).powi(220) * 2.5 * passed * fresnel;
-    let mirrored =
-        Vec3::from(ground.sky_lux) * (std::f32::consts::FRAC_1_PI * fresnel) + Vec3::from(ground.light_lux) * glitter;
-    seen += mirrored * sea;
-    if ground.city_luminance > 0.0 {
-        let towns = smoothstep(0.86, 0.97, at(9.0, 0.29)) * (1.0 - sea) * (0.35 + 0.65 * at(60.0, 0.71));
-        seen += Vec3::new(1.0, 0.72, 0.42) * (ground.city_luminance * towns);
-    }
-    seen
+    found * (0.85 + 0.3 * crop.y)
+}
+
+/// Lamps at a place of the first chart, 1 in the mean: one in each cell, the cells as large as a pixel can tell apart.
+fn lamps(place_m: Vec2, patterns: &Patterns) -> Vec3 {
+    let size = (patterns.footprint * (1.0 / LAMP_CELLS)).max(LAMP_M);
+    let octave = (size * (1.0 / LAMP_M)).log2();
+    let low = octave.floor();
+    let light = lamps_of(place_m, low).lerp(lamps_of(place_m, low + 1.0), octave - low);
+    // Streets and squares gather lamps, parks have none.
+    let district = 1.0 + 2.2 * patterns.detail(20.0, 0.71, 40.0);
+    light * district.clamp(0.1, 2.2)
+}
+
+fn lamps_of(place_m: Vec2, octave: f32) -> Vec3 {
+    let size = LAMP_M * octave.exp2();
+    let at = place_m / size;
+    let cell = at.floor();
+    // As many cells as the charts' period holds, so that it does not show.
+    let period = (LAMP_PERIOD >> (octave as u32).min(10)).max(1);
+    let lot = (cell.as_ivec2() & IVec2::splat(period - 1)).as_uvec2() + UVec2::new(octave as u32 * 4_096, 77);
+    let jitter = hash2(lot);
+    let kind = hash2(lot + 8_191);
+    let away = at - cell - Vec2::splat(0.5) - (jitter - Vec2::splat(0.5)) * 0.5;
+    // Gaussian spots whose mean over the cell is 1; brighter and fainter ones, warmer and whiter ones.
+    let spot = (-away.length_squared() * (1.0 / (LAMP_SPREAD * LAMP_SPREAD))).exp() / (PI * LAMP_SPREAD * LAMP_SPREAD);
+    let bright = 2.5 * kind.x * kind.x + 0.167;
+    // The larger the cell the more lamps it stands for, the less they differ.
+    let rough = 1.0 / (1.0 + 0.35 * octave);
+    let colour = Vec3::new(1.0, 0.66, 0.34).lerp(Vec3::new(0.95, 0.86, 0.72), kind.y);
+    colour * (1.0 + (spot * bright - 1.0) * rough)
 }

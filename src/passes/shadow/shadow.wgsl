@@ -53,7 +53,8 @@ fn column(chart: u32, z: vec2<f32>, shift: f32, level: f32) -> f32 {
 // What the layer lets through to a point at a height, as a mean over a footprint.
 fn through(p: vec3<f32>, height: f32, footprint: f32) -> f32 {
     let b = dot(p + vec3<f32>(0.0, 0.0, camera.earth_m), layer.light_direction);
-    if b <= 0.0 {
+    // Nor has ground above the layer's middle any of its shadow.
+    if b <= 0.0 || height >= shadow.height_m {
         return 1.0;
     }
     // Along the light to the layer's middle.
@@ -97,15 +98,19 @@ fn shadow_vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f
 @fragment
 fn shadow_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
     let direction = ray_of(at.xy);
-    let t = crossings(direction.z, 0.0).x;
+    let t = ground_range(at.xy, direction.z);
     var passed = 1.0;
     // Pixels without ground, and ground that the deck hides, need no shadow.
     if t < FAR && 1.0 - deck_over(at.xy).a >= OPAQUE {
         let p = direction * t + vec3<f32>(0.0, 0.0, camera.eye_m);
         let from_centre = p + vec3<f32>(0.0, 0.0, camera.earth_m);
         let pixel = 2.0 * length(camera.up) / camera.height_px;
-        let footprint = t * pixel / sqrt(max(-dot(direction, from_centre) / camera.earth_m, 1e-3));
-        passed = through(p, 0.0, footprint);
+        let footprint = t * pixel / sqrt(max(-dot(direction, normalize(from_centre)), 1e-3));
+        var height = 0.0;
+        if TERRAIN {
+            height = height_at(direction.z, t);
+        }
+        passed = through(p, height, footprint);
     }
     return vec4<f32>(passed);
 }

@@ -150,7 +150,7 @@ fn shadows_are_what_the_deck_lets_through() {
         let layer = layer(&columns, threshold.offset, threshold.patchiness);
         let bounds = vec![255u8; BOUNDS_WIDTH * BOUNDS_WIDTH];
         let (map, detail) = (modulation::map(), detail::volume());
-        let textures = Textures { shape, lights: &[], bounds: &bounds, map, detail, shade: None };
+        let textures = Textures { shape, lights: &[], bounds: &bounds, map, detail, shade: None, glow: None };
         let caster = caster(&layer, &columns, &table);
         let (mut ours, mut truth, mut apart, points) = (0.0, 0.0, 0.0, 60 * 60);
         for k in 0..points {

@@ -22,18 +22,20 @@ pub struct Caster<'a> {
 }
 
 /// Share of the light that comes through all layers to the ground at range `t_m` along a ray of the picture, 0 to 1.
-pub fn through_all(casters: &[Caster], camera: &Camera, direction: Vec3, t_m: f32) -> f32 {
+/// `terrain`: the ground may stand at a height over the sphere.
+pub fn through_all(casters: &[Caster], camera: &Camera, direction: Vec3, t_m: f32, terrain: bool) -> f32 {
+    let height_m = if terrain { camera.height_at(direction.z, t_m) } else { 0.0 };
     let p = direction * t_m + Vec3::new(0.0, 0.0, camera.eye_m);
     let pixel = 2.0 * Vec3::from(camera.up).length() / camera.height_px;
-    let normal = (p + Vec3::new(0.0, 0.0, camera.earth_m)) / camera.earth_m;
+    let normal = (p + Vec3::new(0.0, 0.0, camera.earth_m)).normalize();
     // A pixel's footprint is longer than wide: the mean of both, by their product.
     let footprint_m = t_m * pixel / (-direction.dot(normal)).max(1e-3).sqrt();
-    casters.iter().map(|caster| caster.through(camera.earth_m, p, footprint_m)).product()
+    casters.iter().map(|caster| caster.through_at(camera.earth_m, p, height_m, footprint_m)).product()
 }
 
 impl Caster<'_> {
     /// Share of the light that comes through the layer to a point of the ground (east, north, height over the tangent plane),
-    /// as a mean over a footprint; 1 where the ground is turned away from the light.
+    /// as a mean over a footprint; 1 where the ground is turned away from the light or stands above the layer's middle.
     pub fn through(&self, earth_m: f32, p: Vec3, footprint_m: f32) -> f32 {
         self.through_at(earth_m, p, 0.0, footprint_m)
     }
@@ -42,7 +44,8 @@ impl Caster<'_> {
     pub fn through_at(&self, earth_m: f32, p: Vec3, height_m: f32, footprint_m: f32) -> f32 {
         let light = Vec3::from(self.layer.light_direction);
         let b = (p + Vec3::new(0.0, 0.0, earth_m)).dot(light);
-        if b <= 0.0 {
+        // Nor has ground above the layer's middle any of its shadow.
+        if b <= 0.0 || height_m >= self.shadow.height_m {
             return 1.0;
         }
         // Along the light to the layer's middle.

@@ -10,7 +10,7 @@ use crate::world::snapshot::LayerState;
 use glam::DVec3;
 
 pub fn light(snapshot: &Snapshot) -> Illuminance {
-    let eye = Eye::new(&snapshot.ownship, &snapshot.views[0]);
+    let eye = Eye::new(&snapshot.ownship, &snapshot.views[0], &snapshot.terrain);
     let regions = crate::plan::regions::near(snapshot, &eye, &mut Vec::new());
     Illuminance::new(snapshot, &eye, &snapshot.views[0], &regions)
 }

@@ -65,7 +65,7 @@ fn shade_is_what_the_higher_layer_lets_through_along_the_light() {
         let shape = &DensityVolume::of(upper.kind).shape;
         let bounds = vec![255u8; BOUNDS_WIDTH * BOUNDS_WIDTH];
         let (all, detail) = (modulation::map(), detail::volume());
-        let textures = Textures { shape, lights: &[], bounds: &bounds, map: all, detail, shade: None };
+        let textures = Textures { shape, lights: &[], bounds: &bounds, map: all, detail, shade: None, glow: None };
         let earth_m = plan.camera.earth_m;
         let (mut ours, mut truth, mut apart, mut moved) = (0.0, 0.0, 0.0, 0.0);
         for k in 0..900 {

@@ -16,7 +16,7 @@ fn bolt(north_m: f64, eye_m: f64) -> Snapshot {
     let mut snapshot = clear_day();
     snapshot.views[0].size_px = [640, 360];
     snapshot.ownship.position.altitude_m = eye_m;
-    let eye = Eye::new(&snapshot.ownship, &snapshot.views[0]);
+    let eye = Eye::new(&snapshot.ownship, &snapshot.views[0], &snapshot.terrain);
     let there = from_ecef(eye.ground_ecef_m + eye.enu * DVec3::new(0.0, north_m, 0.0));
     snapshot.flashes.push(shown(Geodetic { altitude_m: 3_000.0, ..there }));
     snapshot
@@ -80,7 +80,7 @@ fn the_channels_light_comes_to_its_pixels_from_any_distance() {
         let camera = &plan.camera;
         let there = enu(&flash.position);
         let base = to_ecef(&Geodetic { altitude_m: 0.0, ..flash.position });
-        let eye = Eye::new(&snapshot.ownship, &snapshot.views[0]);
+        let eye = Eye::new(&snapshot.ownship, &snapshot.views[0], &snapshot.terrain);
         // Candela over distance squared over the solid angle of a pixel in the middle of the picture, stretch by stretch at the
         // finest; the pixel's own angle shrinks with the cube of its cosine.
         let middle = 2.0 * Vec3::from(camera.right).length() / camera.width_px

@@ -88,6 +88,7 @@ impl Scene for Deck<'_> {
                 map: modulation::map(),
                 detail: detail::volume(),
                 shade: None,
+                glow: None,
             };
             let inside = margin(layer, &textures, self.camera.earth_m, p.as_vec3(), height as f32, range as f32);
             let whole = (inside * layer.inverse_edge).clamp(0.0, 1.0);

@@ -159,7 +159,7 @@ impl Drawer {
 
     /// A picture by the reference executor whose layers read `other` textures.
     fn with_textures(&mut self, plan: &FramePlan, other: Other) -> Pixels {
-        self.reference.prepared(plan, |table, layers, casters| {
+        self.reference.prepared(plan, |table, layers, casters, grids| {
             let changed: Vec<Prepared> = layers
                 .iter()
                 .zip(&plan.layers)
@@ -174,7 +174,7 @@ impl Drawer {
                     Prepared::new(layer.layer, planned.slices, textures)
                 })
                 .collect();
-            reference::picture(plan, table, &changed, casters)
+            reference::picture(plan, table, &changed, casters, grids)
         })
     }
 }

@@ -69,7 +69,7 @@ impl Truth {
             return Err(Stopped::Failed("the plan is not for a linear picture".into()));
         };
         let width = plan.size_px[0] as usize;
-        executor.prepared(plan, |table, layers, _| {
+        executor.prepared(plan, |table, layers, _, _| {
             let march = |step: Step| measure(1, || converged::deck(plan, table, layers, step));
             let (fine, time_s) = march(STEP);
             let (coarse, coarse_time_s) = march(Step { at_eye_m: 2.0 * STEP.at_eye_m, growth: 2.0 * STEP.growth });

@@ -64,7 +64,9 @@ impl Known {
         const HOT: u8 = 1;
         const EXTENDED: u8 = 2;
         let at = [request.lat_xoff, request.lon_yoff, request.alt_zoff];
-        let found = self.point(request.coordinate_system, request.entity_id, at).and_then(|point| hat_hot(&point));
+        let found = self
+            .point(request.coordinate_system, request.entity_id, at)
+            .and_then(|point| hat_hot(&self.snapshot.terrain, &point));
         let (hat_hot_id, host_frame_number_lsn) = (request.hat_hot_id, self.host_frame_number_lsn);
         let above_sea_level = |height_m: f64| height_m - self.air.sea_level_m;
         if request.request_type >= EXTENDED {

@@ -1,0 +1,114 @@
+//! The height function: where it is high, what it never does, and what its slope is.
+
+use super::*;
+
+fn at(latitude_deg: f64, longitude_deg: f64) -> Geodetic {
+    Geodetic { latitude_rad: latitude_deg.to_radians(), longitude_rad: longitude_deg.to_radians(), altitude_m: 0.0 }
+}
+
+/// Lowest, mean and highest of a square of half a degree.
+fn country(terrain: &Terrain, latitude_deg: f64, longitude_deg: f64) -> [f64; 3] {
+    let heights: Vec<f64> = (0..900)
+        .map(|k| {
+            terrain.height_m(&at(latitude_deg + f64::from(k % 30) / 60.0, longitude_deg + f64::from(k / 30) / 60.0))
+        })
+        .collect();
+    let fold = |f: fn(f64, f64) -> f64| heights.iter().copied().reduce(f).unwrap_or(0.0);
+    [fold(f64::min), heights.iter().sum::<f64>() / 900.0, fold(f64::max)]
+}
+
+#[test]
+fn alps_are_mountains_plains_are_plains_and_the_sea_is_level() {
+    let terrain = Terrain::procedural();
+    let alps = country(&terrain, 46.2, 7.6);
+    assert!(alps[0] > 300.0 && alps[2] > 2_800.0 && alps[2] < 5_500.0, "{alps:?}");
+    let himalaya = country(&terrain, 27.9, 86.5);
+    assert!(himalaya[2] > 5_500.0 && himalaya[2] <= HIGHEST_M, "{himalaya:?}");
+    let plain = country(&terrain, 51.2, 6.5);
+    assert!(plain[0] >= 0.0 && plain[2] < 450.0, "{plain:?}");
+    assert_eq!(country(&terrain, 0.0, -30.0), [0.0; 3]);
+    assert_eq!(Terrain::ELLIPSOID.height_m(&at(46.2, 7.6)), 0.0);
+}
+
+#[test]
+fn the_ground_is_continuous_everywhere() {
+    let terrain = Terrain::procedural();
+    // 20 m steps over a coast, through mountains, over the pole, across the 180th meridian.
+    for (latitude, longitude, north, east) in
+        [(43.45, 7.1, 1.0, 0.3), (46.3, 7.9, 0.2, 1.0), (-89.99, 30.0, -1.0, 0.0), (67.2, 179.98, 0.0, 1.0)]
+    {
+        let step = 20.0 / 111_195.0;
+        let mut before = terrain.height_m(&at(latitude, longitude));
+        for k in 1..3_000 {
+            let (lat, lon) = (latitude + step * north * f64::from(k), longitude + step * east * f64::from(k));
+            let (lat, lon) = if lat < -90.0 { (-180.0 - lat, lon + 180.0) } else { (lat, lon) };
+            let next = terrain.height_m(&at(lat, lon));
+            // Steeper than 70 degrees there is nothing.
+            assert!((next - before).abs() < 56.0, "{lat} {lon}: {before} {next}");
+            before = next;
+        }
+    }
+}
+
+#[test]
+fn the_shore_is_at_sea_level() {
+    let terrain = Terrain::procedural();
+    let mut met = 0;
+    for k in 0..4_000 {
+        let place = at(43.3 + 0.0001 * f64::from(k), 6.9);
+        let (shore, height) = (shore_m(place.latitude_rad, place.longitude_rad), terrain.height_m(&place));
+        assert!(height == 0.0 || Terrain::is_land(&place), "{shore} {height}");
+        if (0.0..50.0).contains(&shore) {
+            met += 1;
+            assert!(height <= 0.5 * shore + 1.0, "{shore} m from the shore it is {height} m high");
+        }
+    }
+    assert!(met > 0);
+}
+
+#[test]
+fn a_normal_stands_on_the_slope() {
+    /// A plane that rises to the north by 1 in 4 and to the east by 1 in 8.
+    #[derive(Debug)]
+    struct Plane;
+    impl Heights for Plane {
+        fn height_m(&self, latitude_rad: f64, longitude_rad: f64, _: f64) -> f64 {
+            let curvature = Curvature::at(0.7);
+            let north_m = (latitude_rad - 0.7) * curvature.meridian_m;
+            100.0 + 0.25 * north_m + 0.125 * longitude_rad * curvature.prime_vertical_m * f64::cos(0.7)
+        }
+    }
+    let terrain = Terrain::of(Arc::new(Plane));
+    let found = terrain.normal(&Geodetic { latitude_rad: 0.7, longitude_rad: 0.0, altitude_m: 5.0 });
+    // Central differences are exact for a plane; f64 keeps 1e-9 m of radians times radius.
+    assert!((found - DVec3::new(-0.125, -0.25, 1.0).normalize()).length() < 1e-9, "{found}");
+    assert_eq!(Terrain::ELLIPSOID.normal(&at(46.2, 7.6)), DVec3::Z);
+}
+
+#[test]
+fn smoothed_heights_are_the_mean_of_what_they_leave_out() {
+    let terrain = Terrain::procedural();
+    let (mut apart, mut spread) = (0.0, 0.0f64);
+    for k in 0..400 {
+        let place = at(46.2 + 0.002 * f64::from(k % 20), 7.6 + 0.002 * f64::from(k / 20));
+        let coarse = terrain.smoothed_height_m(place.latitude_rad, place.longitude_rad, 2_000.0);
+        let off = terrain.height_m(&place) - coarse;
+        apart += off / 400.0;
+        spread = spread.max(off.abs());
+    }
+    // What is left out is up to some hundred metres high here and there, its mean a small part of that.
+    assert!(spread > 30.0 && apart.abs() < 0.3 * spread, "mean {apart}, at most {spread}");
+}
+
+#[test]
+fn a_source_that_answers_nonsense_is_sea_level() {
+    #[derive(Debug)]
+    struct Nonsense(f64);
+    impl Heights for Nonsense {
+        fn height_m(&self, _: f64, _: f64, _: f64) -> f64 {
+            self.0
+        }
+    }
+    let height = |value| Terrain::of(Arc::new(Nonsense(value))).height_m(&at(0.0, 0.0));
+    assert_eq!([height(f64::NAN), height(f64::INFINITY), height(1e9), height(-1e9)], [0.0, 0.0, HIGHEST_M, LOWEST_M]);
+}

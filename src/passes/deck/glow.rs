@@ -1,0 +1,222 @@
+//! City glow: light of cities on the underside of clouds (deck paper eq. 20), by place and height, made at night only.
+//!
+//! *What it is.* Illuminance from below by the cities around, in ground-fixed coordinates that neither tile nor drift; what of it a
+//! cloud sends on follows from its light from below, so thicker cloud glows more, and its lower parts most. Where eq. 20
+//! reads the area from a texture and falls linearly with the height, these are the cities and the light inside the volume.
+//! *How we compute it.* Each city is a disc that shines as a matt one does; cities add up.
+//! *How we store it.* 256 x 256 texels of 2 km around the eye, f16, for four heights of the base.
+//! *How we read it back.* Bilinear; between the heights by the logarithm of the layer's base.
+
+use crate::geo::charts::{coordinate_of, place_of};
+use crate::geo::cities::near;
+use crate::passes::ground::lights::CORE_LUMINANCE;
+use bytemuck::{Pod, Zeroable};
+use glam::{DVec2, DVec3, Vec2, Vec4};
+use half::f16;
+use rayon::prelude::*;
+
+/// Texels each way.
+pub const WIDTH: usize = 256;
+/// Their spacing.
+pub const SPACING_M: f64 = 2_000.0;
+/// The window moves by so many texels.
+const STEP: i32 = 16;
+/// Heights of the base over the ground that are tabulated.
+const HEIGHTS_M: [f64; 4] = [250.0, 1_000.0, 3_000.0, 9_000.0];
+/// A city's light is looked for up to this distance: a million people's is a microlux there.
+const REACH_M: f64 = 60_000.0;
+/// Way over which haze near the ground takes a city's light to 1/e.
+const CLEAR_M: f64 = 40_000.0;
+
+/// How the table lies around the eye. Parameters; twin of `CityGlow` in `field.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct CityGlow {
+    /// Complex factor `a` of the chart that the table lies in.
+    pub a: [f32; 2],
+    /// Complex factor `c`, 1/m.
+    pub c: [f32; 2],
+    /// Factors on the eye's stereographic coordinate, east and north.
+    pub stretch: [f32; 2],
+    /// Where the eye is, in the whole table.
+    pub origin: [f32; 2],
+}
+
+/// What a table is made from; equal ones give the same bytes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GlowWindow {
+    /// Which chart.
+    pub chart: usize,
+    /// First texel, east and north, in steps of 16.
+    pub first: [i32; 2],
+}
+
+impl GlowWindow {
+    /// The window around a place of a chart.
+    pub fn around(chart: usize, eye_m: DVec2) -> Self {
+        let first = [eye_m.x, eye_m.y]
+            .map(|along| (along / (SPACING_M * f64::from(STEP))).floor() as i32 * STEP - (WIDTH as i32 - STEP) / 2);
+        Self { chart, first }
+    }
+
+    /// Where a place of the chart lies in the table, as shares of its width (texel centres at halves).
+    pub fn share(&self, place_m: DVec2) -> DVec2 {
+        let first = DVec2::new(f64::from(self.first[0]), f64::from(self.first[1]));
+        (place_m / SPACING_M - first + 0.5) / WIDTH as f64
+    }
+}
+
+/// Illuminance from below at the four heights, lux; rows from the south.
+pub type Texel = [f16; 4];
+
+/// Fills a table.
+pub fn build(window: &GlowWindow) -> Vec<Texel> {
+    const TILE: usize = 16;
+    let tiles = WIDTH / TILE;
+    let made: Vec<Vec<Texel>> = (0..tiles * tiles)
+        .into_par_iter()
+        .map(|tile| {
+            let corner = [tile % tiles, tile / tiles].map(|t| (t * TILE) as f64);
+            let place_m = |x: f64, y: f64| {
+                DVec2::new(f64::from(window.first[0]) + corner[0] + x, f64::from(window.first[1]) + corner[1] + y)
+                    * SPACING_M
+            };
+            let cities = lit_around(window.chart, place_m(7.5, 7.5), REACH_M + SPACING_M * TILE as f64);
+            let texel = |i: usize| {
+                let here = place_m((i % TILE) as f64, (i / TILE) as f64);
+                let mut sums = [0.0; 4];
+                for (there, radius_m) in &cities {
+                    let apart = here.distance_squared(*there);
+                    if apart < REACH_M * REACH_M {
+                        for (sum, height_m) in sums.iter_mut().zip(HEIGHTS_M) {
+                            *sum += disc_lux(apart, *radius_m, height_m);
+                        }
+                    }
+                }
+                sums.map(f16::from_f64)
+            };
+            (0..TILE * TILE).map(texel).collect()
+        })
+        .collect();
+    (0..WIDTH * WIDTH)
+        .map(|i| {
+            let (x, y) = (i % WIDTH, i / WIDTH);
+            made[x / TILE + y / TILE * tiles][x % TILE + y % TILE * TILE]
+        })
+        .collect()
+}
+
+/// Cities about a place of a chart: where in the chart, and how wide.
+fn lit_around(chart: usize, place_m: DVec2, reach_m: f64) -> Vec<(DVec2, f64)> {
+    let (latitude_rad, longitude_rad) = place_of(chart, place_m);
+    let (sin_lat, cos_lat) = latitude_rad.sin_cos();
+    let (sin_lon, cos_lon) = longitude_rad.sin_cos();
+    let cities = near(DVec3::new(cos_lat * cos_lon, cos_lat * sin_lon, sin_lat), reach_m);
+    cities.iter().map(|city| (coordinate_of(chart, city.zenith), city.radius_m())).collect()
+}
+
+/// Illuminance of a level plane at a height by a matt disc on the ground, whose middle is the square root of `apart` away: exact
+/// over its middle (pi L r^2 / (r^2 + h^2)) and far away (pi L r^2 h^2 / d^4), eased between.
+fn disc_lux(apart: f64, radius_m: f64, height_m: f64) -> f64 {
+    let (r2, h2) = (radius_m * radius_m, height_m * height_m);
+    let inside = 1.0 / (1.0 + (apart / r2).powi(2));
+    let distance2 = apart + h2 + r2;
+    let clear = (-(apart + h2).sqrt() / CLEAR_M).exp();
+    std::f64::consts::PI * f64::from(CORE_LUMINANCE) * r2 * (h2 + r2 * inside) / (distance2 * distance2) * clear
+}
+
+/// Weights of the four heights for a base over the ground, adding up to 1.
+pub fn weights(base_m: f64) -> [f32; 4] {
+    let base_m = base_m.clamp(HEIGHTS_M[0], HEIGHTS_M[3]);
+    let upper = HEIGHTS_M.iter().position(|h| base_m <= *h).unwrap_or(3).max(1);
+    let [low, high] = [HEIGHTS_M[upper - 1], HEIGHTS_M[upper]].map(f64::ln);
+    let share = ((base_m.ln() - low) / (high - low)) as f32;
+    let mut weights = [0.0; 4];
+    (weights[upper - 1], weights[upper]) = (1.0 - share, share);
+    weights
+}
+
+/// Bilinear look-up of a table, clamped; coordinates as shares of its width.
+pub fn sample(table: &[Texel], at: Vec2) -> Vec4 {
+    let place = (at * WIDTH as f32 - 0.5).clamp(Vec2::ZERO, Vec2::splat((WIDTH - 1) as f32));
+    let low = place.floor().min(Vec2::splat((WIDTH - 2) as f32));
+    let f = place - low;
+    let first = low.x as usize + low.y as usize * WIDTH;
+    let texel = |i: usize| Vec4::from(table[i].map(f16::to_f32));
+    let south = texel(first).lerp(texel(first + 1), f.x);
+    south.lerp(texel(first + WIDTH).lerp(texel(first + WIDTH + 1), f.x), f.y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The disc's illuminance by summing small pieces of it.
+    fn summed_lux(apart_m: f64, radius_m: f64, height_m: f64) -> f64 {
+        let (rings, spokes) = (60, 90);
+        let mut sum = 0.0;
+        for ring in 0..rings {
+            let r = radius_m * (f64::from(ring) + 0.5) / f64::from(rings);
+            for spoke in 0..spokes {
+                let place = DVec2::from_angle(std::f64::consts::TAU * f64::from(spoke) / f64::from(spokes)) * r;
+                let d2 = place.distance_squared(DVec2::new(apart_m, 0.0)) + height_m * height_m;
+                let area = std::f64::consts::TAU * r * radius_m / f64::from(rings * spokes);
+                sum += f64::from(CORE_LUMINANCE) * area * height_m * height_m / (d2 * d2);
+            }
+        }
+        sum
+    }
+
+    #[test]
+    fn a_discs_light_is_that_of_its_pieces() {
+        for (radius_m, height_m) in [(1_200.0, 1_000.0), (9_500.0, 1_000.0), (9_500.0, 3_000.0), (3_000.0, 9_000.0)] {
+            for apart_m in [0.0, 0.5 * radius_m, 3.0 * radius_m, 20_000.0] {
+                let found =
+                    disc_lux(apart_m * apart_m, radius_m, height_m) / (-f64::hypot(apart_m, height_m) / CLEAR_M).exp();
+                let summed = summed_lux(apart_m, radius_m, height_m);
+                // Exact over the middle and far away; about the edge the eased form is up to 2.5 times too high or low, where the
+                // true one falls by a hundred over one height.
+                let bound = if apart_m == 0.0 || apart_m > 4.0 * radius_m { 1.25 } else { 2.6 };
+                let ratio = found / summed;
+                assert!(ratio < bound && ratio > 1.0 / bound, "{radius_m} {height_m} {apart_m}: {found} {summed}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_lower_base_is_lit_more_and_weights_add_up() {
+        for apart_m in [0.0f64, 2_000.0] {
+            let lux: Vec<f64> = HEIGHTS_M.iter().map(|h| disc_lux(apart_m * apart_m, 5_000.0, *h)).collect();
+            assert!(lux.windows(2).all(|pair| pair[1] < pair[0]), "{lux:?}");
+        }
+        for base_m in [-500.0, 0.0, 250.0, 700.0, 1_000.0, 2_999.0, 9_000.0, 30_000.0] {
+            let found = weights(base_m);
+            assert!(
+                (found.iter().sum::<f32>() - 1.0).abs() < 1e-6 && found.iter().all(|w| *w >= 0.0),
+                "{base_m}: {found:?}"
+            );
+        }
+        assert_eq!(weights(1_000.0), [0.0, 1.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn the_table_glows_over_paris_and_stands_on_the_ground() {
+        let (lat, lon) = (48.857f64.to_radians(), 2.352f64.to_radians());
+        let paris = DVec3::new(lat.cos() * lon.cos(), lat.cos() * lon.sin(), lat.sin());
+        let chart = (0..crate::geo::charts::CHARTS)
+            .min_by(|a, b| coordinate_of(*a, paris).length().total_cmp(&coordinate_of(*b, paris).length()))
+            .expect("there are charts");
+        let place_m = coordinate_of(chart, paris);
+        let at = |eye_m: DVec2, there_m: DVec2| {
+            let window = GlowWindow::around(chart, eye_m);
+            sample(&build(&window), window.share(there_m).as_vec2())
+        };
+        let over = at(place_m, place_m);
+        // The disc's closed form over its middle, and other towns' light.
+        assert!(over.y > 0.45 && over.y < 0.7, "{over}");
+        assert!(over.x > over.y && over.y > over.z && over.z > over.w, "{over}");
+        let moved = at(place_m + DVec2::new(70_000.0, -40_000.0), place_m);
+        // The same texels, up to the rounding of f32 shares.
+        assert!((moved - over).abs().max_element() < 1e-3, "{moved} {over}");
+    }
+}
