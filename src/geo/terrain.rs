@@ -2,6 +2,7 @@
 
 mod ranges;
 mod relief;
+mod towns;
 
 use super::Geodetic;
 use super::coast::shore_m;

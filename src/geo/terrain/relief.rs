@@ -1,10 +1,10 @@
 //! Made relief: plains, hills and mountains from noise on the sphere, shaped by the coastline and the mountain ranges.
 //!
 //! *Where it is high* follows the real ranges, *what it looks like* is made up: ridged noise in mountains, rolling noise
-//! elsewhere, everything sinking to sea level at the coast. The noise lives in space, not on a map: no seam and no pole.
+//! elsewhere, everything sinking to sea level at the coast and to the valley floor where towns are. The noise lives in space, not on a map: no seam and no pole.
 
-use super::ranges::crest_m;
-use super::{HIGHEST_M, Heights};
+use super::ranges::crest_and_floor_m;
+use super::{HIGHEST_M, Heights, towns};
 use crate::geo::coast::coarse_shore_m;
 use crate::numeric::noise::spatial as noise;
 use glam::DVec3;
@@ -20,6 +20,8 @@ const MOUNTAIN_OCTAVES: usize = 9;
 const HILL_OCTAVES: usize = 7;
 /// Over this way from the shore the land rises to its full height.
 const RISE_M: f64 = 9_000.0;
+/// Shares of the mountains and of the hills that a town leaves none of.
+const CLEARED: [f64; 2] = [0.94, 0.6];
 
 /// The one relief of the house.
 #[derive(Debug)]
@@ -40,28 +42,32 @@ impl Heights for Relief {
         let (sin_lat, cos_lat) = latitude_rad.sin_cos();
         let (sin_lon, cos_lon) = longitude_rad.sin_cos();
         let up = DVec3::new(cos_lat * cos_lon, cos_lat * sin_lon, sin_lat);
-        inland_m(up, shore_m, spacing_m).min(HIGHEST_M)
+        let town = || towns::share(latitude_rad, longitude_rad, spacing_m);
+        inland_m(up, shore_m, spacing_m, town).min(HIGHEST_M)
     }
 }
 
-/// Height of land at a distance from the shore; `up` is the unit vector of the place.
-fn inland_m(up: DVec3, shore_m: f64, spacing_m: f64) -> f64 {
+/// Height of land at a distance from the shore; `up` is the unit vector of the place, `town` how much of it is town.
+fn inland_m(up: DVec3, shore_m: f64, spacing_m: f64, town: impl FnOnce() -> f64) -> f64 {
     let at = |wavelength_m: f64| up * (EARTH_M / wavelength_m);
-    // Ranges do not end along a circle: their foot is bent by up to 12 km.
-    let bent = up
-        + DVec3::new(noise(at(60_000.0), 11), noise(at(60_000.0), 12), noise(at(60_000.0), 13)) * (12_000.0 / EARTH_M);
-    let crest_m = crest_m(bent.normalize());
+    // Ranges do not end along a circle: their foot is bent by some 12 km.
+    let [crest_m, floor_m] = crest_and_floor_m(up, || {
+        let p = at(60_000.0);
+        (up + DVec3::new(noise(p, 11), noise(p, 12), noise(p, 13)) * (12_000.0 / EARTH_M)).normalize()
+    });
+    let town = if crest_m > 1.0 { town() } else { 0.0 };
     let rise = 1.0 - (-shore_m / RISE_M).exp();
     let plain_m = 15.0 + 130.0 * (0.5 + 0.5 * noise(at(260_000.0), 1)) + 60.0 * noise(at(70_000.0), 2);
     // Where there are no ranges some country is flat and some rolls.
     let rolling = (0.5 + 0.9 * noise(at(90_000.0), 3)).clamp(0.06, 1.0);
-    let hills_m =
-        (25.0 + 150.0 * rolling + 0.12 * crest_m.min(1_500.0)) * (0.5 + octaves(at(HILL_M), HILL_M, spacing_m));
+    let hills_m = (25.0 + 150.0 * rolling + 0.12 * crest_m.min(1_500.0))
+        * (1.0 - CLEARED[1] * town)
+        * (0.5 + octaves(at(HILL_M), HILL_M, spacing_m));
     let mut height_m = rise * (plain_m.max(8.0) + hills_m);
     if crest_m > 1.0 {
-        let ridge = ridges(at(MOUNTAIN_M), spacing_m);
-        // Valley floors lie at a quarter of the crest; the highest peaks stand over it by a third.
-        let mountains_m = crest_m * (0.20 + 1.10 * ridge) * (0.35 + 0.65 * (crest_m / 900.0).min(1.0));
+        // The highest peaks stand over the main crest by a quarter.
+        let ridges_m = (crest_m - floor_m) * (1.0 - CLEARED[0] * town) * 1.3 * ridges(at(MOUNTAIN_M), spacing_m);
+        let mountains_m = (floor_m + ridges_m) * (0.35 + 0.65 * (crest_m / 900.0).min(1.0));
         height_m += rise.min(1.0 - (-shore_m / 3_000.0).exp()) * mountains_m;
     }
     // The beach: what is near the sea is low, whatever else holds.

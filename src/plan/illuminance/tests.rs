@@ -141,6 +141,57 @@ fn no_elevation_of_sun_or_moon_makes_a_step() {
 }
 
 #[test]
+fn a_black_target_at_the_visibility_has_a_contrast_of_five_per_cent() {
+    let seen = |visibility_m: f64, range_m: f64| {
+        let mut snapshot = sunlit(40.0);
+        snapshot.weather.visibility_m = visibility_m;
+        let plan = plan(&snapshot, &snapshot.views[0], Output::LinearRgb);
+        // Air between adds what it adds to the sky behind: of a black target's contrast the share is left that passes.
+        f64::from(plan.camera.air_transmittance(plan.camera.eye_m, range_m as f32))
+    };
+    for visibility_m in [50.0, 300.0, 4_000.0, 40_000.0, 200_000.0] {
+        let contrast = seen(visibility_m, visibility_m);
+        // The eye is 2 m up, where there is 0.2 % less haze than at sea level: 0.5 % of the contrast.
+        assert!((contrast / 0.05 - 1.0).abs() < 0.01, "{visibility_m}: {contrast}");
+    }
+    // Beyond 250 km air by itself takes more: no haze is left to take away.
+    let contrast = seen(300_000.0, 247_000.0);
+    assert!((0.04..0.06).contains(&contrast), "{contrast}");
+}
+
+#[test]
+fn poles_at_the_solstices_and_the_thickest_and_clearest_air_have_light() {
+    for (latitude_deg, utc_s, lux) in [
+        // The sun 23.4 degrees high all day, and as far below the horizon.
+        (90.0, 1_782_010_000.0, 2e4..6e4),
+        (-90.0, 1_782_010_000.0, 1e-4..0.5),
+        (90.0, 1_797_885_000.0, 1e-4..0.5),
+        (-90.0, 1_797_885_000.0, 2e4..6e4),
+    ] {
+        for hour in 0..24 {
+            let mut snapshot = clear_day();
+            snapshot.ownship.position = place(latitude_deg, 0.0, 2.0);
+            let sky = crate::geo::celestial::sun_and_moon(utc_s + 3_600.0 * f64::from(hour));
+            snapshot.sky.sun_direction_ecef = sky.sun_m.normalize();
+            snapshot.sky.moon_direction_ecef = sky.moon_m.normalize();
+            snapshot.sky.moon_lit_fraction = sky.moon_lit_fraction;
+            let found = ground_lux(&snapshot);
+            assert!(lux.contains(&found), "{latitude_deg}, hour {hour}: {found}");
+        }
+    }
+    for visibility_m in [50.0, 300_000.0] {
+        for elevation_deg in [60.0, 0.0, -6.0] {
+            let mut snapshot = sunlit(elevation_deg);
+            snapshot.weather.visibility_m = visibility_m;
+            let (found, clear) = (ground_lux(&snapshot), ground_lux(&sunlit(elevation_deg)));
+            // Fog of 1.2 km height and a depth of 70 lets through about a thirteenth as a diffuse slab does.
+            let share = found / clear;
+            assert!((0.02..1.5).contains(&share), "{visibility_m} m, {elevation_deg} degrees: {share}");
+        }
+    }
+}
+
+#[test]
 fn under_a_region_its_weather_rules_as_if_it_were_everywhere() {
     let two = || {
         let mut layers = vec![layer(CloudKind::Cumulus, 900.0, 800.0)];
