@@ -1,9 +1,11 @@
 //! Settings: the configuration file checked as a whole, all complaints at once.
 
 mod cigi;
+mod ground;
 mod scenarios;
 
 pub use cigi::{ByteOrderChoice, CigiSettings};
+pub use ground::{NoGround, with_heights};
 pub use scenarios::{BUILT_IN_SCENARIOS, built_in, text_of};
 
 use crate::geo::terrain::Terrain;
@@ -54,6 +56,10 @@ pub struct Settings {
     pub flicker_guard_per_s: Option<u32>,
     /// Where the ground is.
     pub terrain: TerrainChoice,
+    /// A GeoTIFF or HGT file of heights laid over it.
+    pub terrain_file: Option<PathBuf>,
+    /// Height of mean sea level above the ellipsoid, from which the file's heights count.
+    pub terrain_sea_level_m: f64,
     /// Quality of JPEGs where nobody asks for another, 1 to 100.
     pub jpeg_quality: u8,
     /// Scenario to start with; `None`: a clear day at rest.
@@ -154,6 +160,12 @@ struct SettingsFile {
     flicker_guard_per_s: Option<u32>,
     /// Where the ground is.
     terrain: TerrainChoice,
+    /// File of heights that is laid over it: a GeoTIFF in latitudes and longitudes (.tif, .tiff), or an HGT tile as N47E008.hgt.
+    #[schemars(length(min = limits::SETTINGS_TEXT_LENGTH.min, max = limits::SETTINGS_TEXT_LENGTH.max))]
+    terrain_file: Option<String>,
+    /// Height of mean sea level above the WGS84 ellipsoid where the file lies: its heights count from there.
+    #[schemars(range(min = limits::SEA_LEVEL_M.min, max = limits::SEA_LEVEL_M.max))]
+    terrain_sea_level_m: f64,
     /// Quality of JPEGs where nobody asks for another.
     #[schemars(range(min = limits::JPEG_QUALITY.min, max = limits::JPEG_QUALITY.max))]
     jpeg_quality: u8,
@@ -252,6 +264,18 @@ impl Settings {
         }
     }
 
+    /// The ground, with the file of heights read.
+    ///
+    /// # Errors
+    /// [`NoGround`]: the file cannot be read.
+    pub fn ground(&self) -> Result<Terrain, NoGround> {
+        let around = self.terrain.terrain();
+        match &self.terrain_file {
+            Some(file) => with_heights(around, file, self.terrain_sea_level_m),
+            None => Ok(around),
+        }
+    }
+
     /// What may be spent on a picture.
     pub fn quality(&self) -> Quality {
         Quality {
@@ -307,6 +331,8 @@ impl Settings {
             ring_ratio: file.ring_ratio,
             flicker_guard_per_s: file.flicker_guard_per_s,
             terrain: file.terrain,
+            terrain_file: file.terrain_file.map(PathBuf::from),
+            terrain_sea_level_m: file.terrain_sea_level_m,
             jpeg_quality: file.jpeg_quality,
             scenario: file.scenario,
             scenario_folder: file.scenario_folder.into(),

@@ -120,3 +120,8 @@ fn bounds_files() {
 fn basis_files() {
     run(&targets::BASIS);
 }
+
+#[test]
+fn height_files() {
+    run(&targets::HEIGHTS);
+}

@@ -39,7 +39,10 @@ fn check(path: &Path) -> Result<String, Failure> {
             Err(complaints) => complaints,
         },
         false => match Settings::parse(&text) {
-            Ok(_) => return Ok("settings".to_owned()),
+            Ok(settings) => match settings.ground() {
+                Ok(_) => return Ok("settings".to_owned()),
+                Err(wrong) => vec![format!("terrain_file: {wrong}")],
+            },
             Err(complaints) => complaints.iter().map(ToString::to_string).collect(),
         },
     };

@@ -6,7 +6,7 @@ use crate::encode::{Format, encode_pixels};
 use crate::frame::Pixels;
 use crate::plan::executor::{Executor, Fault};
 use crate::plan::{FramePlan, Output, plan};
-use crate::settings::{ExecutorChoice, TerrainChoice};
+use crate::settings::{ExecutorChoice, TerrainChoice, with_heights};
 use crate::wire::limits;
 use crate::world::World;
 use crate::world::command::{Command, ScenarioEdit};
@@ -52,6 +52,9 @@ pub(super) struct Options {
     /// Where the ground is: procedural, or ellipsoid (level everywhere).
     #[arg(long, value_name = "T", value_parser = terrain, default_value = "ellipsoid")]
     terrain: TerrainChoice,
+    /// GeoTIFF or HGT file of heights (above the ellipsoid) that is laid over it.
+    #[arg(long, value_name = "FILE")]
+    terrain_file: Option<PathBuf>,
     /// Slices per cloud layer.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(limits::SLICES.min as i64..=limits::SLICES.max as i64))]
     slices: Option<u32>,
@@ -169,7 +172,11 @@ fn times(options: &Options) -> Result<Vec<f64>, Failure> {
 fn world(options: &Options) -> Result<World, Failure> {
     let timeline = scenario::read(&options.scenario)?;
     let mut world = World::new();
-    world.set_terrain(options.terrain.terrain());
+    let around = options.terrain.terrain();
+    world.set_terrain(match &options.terrain_file {
+        Some(file) => with_heights(around, file, 0.0).map_err(|wrong| Failure::Input(wrong.to_string()))?,
+        None => around,
+    });
     world
         .apply(Command::Scenario(ScenarioEdit::Load(Arc::new(timeline))))
         .map_err(|refused: Refused| Failure::Input(refused.to_string()))?;

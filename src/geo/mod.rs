@@ -5,6 +5,7 @@ pub mod charts;
 pub mod cities;
 pub mod coast;
 pub mod frames;
+pub mod raster;
 pub mod stars;
 pub mod terrain;
 pub mod wgs84;

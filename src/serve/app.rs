@@ -8,6 +8,7 @@ use super::picture;
 use super::roles::Roles;
 use super::socket::Peer;
 use super::world_task::Request;
+use crate::geo::terrain::Terrain;
 use crate::outputs::air::Air;
 use crate::settings::Settings;
 use crate::wire::limits;
@@ -36,6 +37,8 @@ pub(super) struct App {
     pub(super) roles: Roles,
     /// Turns of those who ask the world, so that questions cannot take all of the processor.
     pub(super) questions: Arc<Semaphore>,
+    /// The ground.
+    pub(super) terrain: Terrain,
     /// What a CIGI host has said of the air.
     pub(super) air: Mutex<Arc<Air>>,
     pub(super) requests: mpsc::Sender<Request>,

@@ -37,9 +37,10 @@ pub use render_thread::ExecutorFactory;
 pub use signals::shutdown_signal;
 pub use stages::{Stage, Stages};
 
+use crate::geo::terrain::Terrain;
 use crate::lightning::guard::FlickerGuard;
 use crate::plan::executor::Fault;
-use crate::settings::Settings;
+use crate::settings::{NoGround, Settings};
 use crate::wire::limits;
 use crate::world::World;
 use crate::world::command::{Command, ScenarioEdit};
@@ -87,6 +88,9 @@ pub enum ServeError {
     /// The scenario to start with is not there or wrong.
     #[error("the scenario to start with: {0}")]
     Scenario(Refused),
+    /// The file of heights cannot be the ground.
+    #[error("the ground: {0}")]
+    Ground(#[from] NoGround),
     /// The system refused a socket or a thread.
     #[error("the server cannot run: {0}")]
     System(#[from] std::io::Error),
@@ -133,9 +137,12 @@ async fn run_measured(
         Some(settings) => Some((cigi::bind(&settings).await?, settings, hub.listen(cigi::EVENTS_WAITING))),
         None => None,
     };
+    // Read before anybody is let in: a file of heights may be large.
+    let grounds = settings.clone();
+    let terrain = tokio::task::spawn_blocking(move || grounds.ground()).await.map_err(std::io::Error::other)??;
     let cigi_address = cigi_port.as_ref().and_then(|(socket, ..)| socket.local_addr().ok());
     let mut world = WorldTask::new(
-        new_world(&settings),
+        new_world(&settings, terrain.clone()),
         Arc::clone(&inbox),
         Arc::clone(&hub),
         Arc::clone(&metrics),
@@ -165,6 +172,7 @@ async fn run_measured(
         roles: Roles::default(),
         questions: Arc::new(Semaphore::new(limits::QUESTIONS_AT_ONCE)),
         air: Default::default(),
+        terrain,
         requests,
         tasks: tasks.clone(),
         stop: stop.clone(),
@@ -208,11 +216,11 @@ async fn run_measured(
     Ok(())
 }
 
-fn new_world(settings: &Settings) -> World {
+fn new_world(settings: &Settings, terrain: Terrain) -> World {
     let mut world = World::new();
     world.set_quality(settings.quality());
     world.set_flicker_guard(settings.flicker_guard_per_s.map(FlickerGuard::new));
-    world.set_terrain(settings.terrain.terrain());
+    world.set_terrain(terrain);
     world
 }
 

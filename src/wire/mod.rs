@@ -3,6 +3,7 @@
 pub mod cigi;
 pub mod control;
 pub mod frames;
+pub mod heights;
 pub mod json;
 pub mod limits;
 pub mod scenario;

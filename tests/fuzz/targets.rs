@@ -1,7 +1,9 @@
 //! The decoders, each as a function from bytes to an answer in words, with what its corpus begins with.
 
 use std::collections::BTreeSet;
+use std::io::Cursor;
 use stormdeck::frame::LatencyStamps;
+use stormdeck::geo::terrain::Terrain;
 use stormdeck::report::Bounds;
 use stormdeck::scattering::basis::{Basis, Content, Recipe};
 use stormdeck::scattering::compress::{Packing, Width};
@@ -12,8 +14,10 @@ use stormdeck::scattering::ordinates::Params;
 use stormdeck::settings::Settings;
 use stormdeck::wire::cigi::scene::{Consequence, Convention, Moment, Scene};
 use stormdeck::wire::cigi::{ByteOrder, Version, decode, decode_packets, encode, json};
-use stormdeck::wire::{control, frames, scenario};
+use stormdeck::wire::{control, frames, heights, scenario};
 use stormdeck::world::{Command, World};
+use tiff::encoder::{TiffEncoder, colortype::GrayI16};
+use tiff::tags::Tag;
 
 /// A decoder.
 pub struct Target {
@@ -69,6 +73,34 @@ pub const FRAMES: Target = Target {
         Err(error) => words(&error.to_string()),
     },
 };
+
+pub const HEIGHTS: Target = Target {
+    name: "height files",
+    corpus: || vec![heights_file()],
+    longest: 4_096,
+    answer: |input| match heights::decode("a.tif", input) {
+        Ok(grid) => {
+            assert!(grid.columns >= 2 && grid.heights_m.len().is_multiple_of(grid.columns));
+            "a grid".to_owned()
+        }
+        Err(wrong) => words(&wrong.to_string()),
+    },
+};
+
+/// A GeoTIFF of 4 x 3 heights.
+fn heights_file() -> Vec<u8> {
+    let mut bytes = Cursor::new(Vec::new());
+    let mut encoder = TiffEncoder::new(&mut bytes).expect("a file");
+    let mut image = encoder.new_image::<GrayI16>(4, 3).expect("an image");
+    let directory = image.encoder();
+    let keys = [1u16, 1, 0, 3, 1024, 0, 1, 2, 1025, 0, 1, 1, 2048, 0, 1, 4326];
+    directory.write_tag(Tag::GeoKeyDirectoryTag, &keys[..]).expect("keys");
+    directory.write_tag(Tag::ModelPixelScaleTag, &[0.5, 0.25, 0.0][..]).expect("scale");
+    directory.write_tag(Tag::ModelTiepointTag, &[0.0, 0.0, 0.0, 8.0, 47.0, 0.0][..]).expect("tie point");
+    directory.write_tag(Tag::GdalNodata, "-9999").expect("void");
+    image.write_data(&[1, 2, 3, 4, -9999, 6, 7, 8, 9, 10, 11, -12]).expect("heights");
+    bytes.into_inner()
+}
 
 pub const BOUNDS: Target = Target {
     name: "files of bounds",
@@ -219,7 +251,8 @@ fn cigi_message(input: &[u8]) -> String {
 fn cigi_scene(input: &[u8]) -> String {
     let Ok(message) = decode(input) else { return "rejected".to_owned() };
     let mut world = World::new();
-    let mut scene = Scene::new(Convention { sea_level_m: 0.0, seed: 1, size_px: [640, 360] });
+    let mut scene =
+        Scene::new(Convention { sea_level_m: 0.0, seed: 1, size_px: [640, 360], terrain: Terrain::ELLIPSOID });
     let mut said = BTreeSet::new();
     for frame in 0..2 {
         let moment = Moment { host_frame: frame, timestamp: Some(frame * 1_667), extrapolate: true, now_s: 0.0 };

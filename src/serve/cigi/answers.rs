@@ -170,11 +170,15 @@ impl Known {
         };
         let Some(found) = found else { return empty.into() };
         let Some([lat_xoff, lon_yoff, alt_zoff]) = self.told(&found.point, asked) else { return empty.into() };
-        let (material_code, [red, green, blue], normal_vector_elevation) = match found.hider {
-            // The ground's usual albedo as a colour; clouds are white, and have no surface.
-            Some(Hider::Ground) => (ground::MATERIAL_GROUND, [92, 96, 72], 90.0),
-            Some(Hider::Cloud) => (ground::MATERIAL_CLOUD, [255; 3], 0.0),
-            None => (0, [0; 3], 0.0),
+        let met = hat_hot(&self.snapshot.terrain, &found.point).filter(|_| found.hider == Some(Hider::Ground));
+        let (material_code, [red, green, blue]) = match found.hider {
+            // The usual albedo of land and water as a colour; clouds are white, and have no surface.
+            Some(Hider::Ground) => match met.map_or(ground::MATERIAL_GROUND, |met| met.material) {
+                ground::MATERIAL_WATER => (ground::MATERIAL_WATER, [16, 28, 40]),
+                material => (material, [92, 96, 72]),
+            },
+            Some(Hider::Cloud) => (ground::MATERIAL_CLOUD, [255; 3]),
+            None => (0, [0; 3]),
         };
         LineOfSightExtendedResponse {
             valid,
@@ -189,8 +193,8 @@ impl Known {
             blue,
             alpha: if found.hider == Some(Hider::Ground) { 255 } else { (found.opacity * 255.0).round() as u8 },
             material_code,
-            normal_vector_azimuth: 0.0,
-            normal_vector_elevation,
+            normal_vector_azimuth: met.map_or(0.0, |met| met.normal_azimuth_deg as f32),
+            normal_vector_elevation: met.map_or(0.0, |met| met.normal_elevation_deg as f32),
             ..empty
         }
         .into()

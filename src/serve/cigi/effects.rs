@@ -4,6 +4,7 @@
 use super::answers::Known;
 use super::link::Link;
 use super::questions::Questions;
+use crate::geo::terrain::Terrain;
 use crate::wire::cigi::layout::{Effect, Field, Kind, Place, Value};
 use crate::wire::cigi::packets::*;
 use crate::wire::cigi::scene::{
@@ -33,7 +34,7 @@ struct Outcome {
 
 /// Holds a conversation with this packet in its place.
 fn hold(version: Version, talk: &Talk, packet: &Packet) -> Outcome {
-    let convention = Convention { sea_level_m: 48.0, seed: 1, size_px: [64, 36] };
+    let convention = Convention { sea_level_m: 48.0, seed: 1, size_px: [64, 36], terrain: Terrain::procedural() };
     let (mut scene, mut link, mut world) = (Scene::new(convention), Link::new(true), World::new());
     let mut outcome = Outcome { seen: String::new(), refused: 0 };
     let mut questions = Questions::default();

@@ -73,6 +73,7 @@ fn carrier(question: &Packet) -> Option<u16> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geo::terrain::Terrain;
     use crate::wire::cigi::packets::{EntityControl, HatHotRequest, LineOfSightVectorRequest};
     use crate::wire::cigi::scene::Moment;
 
@@ -86,7 +87,7 @@ mod tests {
             Packet::HatHotRequest(request) => request.hat_hot_id,
             other => panic!("{other:?}"),
         };
-        questions.due(frame, &Entities::new(0.0)).into_iter().map(number).collect()
+        questions.due(frame, &Entities::new(0.0, Terrain::ELLIPSOID)).into_iter().map(number).collect()
     }
 
     #[test]
@@ -105,7 +106,7 @@ mod tests {
 
     #[test]
     fn a_question_that_hangs_on_an_entity_ends_with_it() {
-        let mut entities = Entities::new(0.0);
+        let mut entities = Entities::new(0.0, Terrain::ELLIPSOID);
         let moment = Moment { host_frame: 1, timestamp: None, extrapolate: false, now_s: 0.0 };
         let entity = |entity_state| EntityControl { entity_id: 4, entity_state, ..Default::default() };
         entities.control(&entity(1), &moment).expect("room");

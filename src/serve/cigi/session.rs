@@ -57,7 +57,7 @@ impl Session {
     pub(super) fn new(app: Arc<App>, settings: CigiSettings) -> Self {
         let counters = Arc::clone(&app.metrics.cigi);
         let link = Link::new(settings.host_chooses_database);
-        let scene = Scene::new(convention(&settings));
+        let scene = Scene::new(convention(&settings, &app.terrain));
         Self {
             app,
             settings,

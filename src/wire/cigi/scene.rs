@@ -18,6 +18,7 @@ pub use views::MAIN;
 use super::layout::Value;
 use super::packets::{Packet, ViewControl, ViewDefinition};
 use super::{Message, Version};
+use crate::geo::terrain::Terrain;
 use crate::outputs::air::Air;
 use crate::world::command::{Command, StrikeRequest};
 use crate::world::event::Refused;
@@ -27,7 +28,7 @@ use views::Views;
 use weather::Weather;
 
 /// What the meaning of packets depends on beside the packets.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Convention {
     /// Height of mean sea level above the WGS 84 ellipsoid: CIGI gives altitudes above mean sea level.
     pub sea_level_m: f64,
@@ -35,6 +36,8 @@ pub struct Convention {
     pub seed: u64,
     /// Width and height of the pictures: CIGI has no word for them.
     pub size_px: [u32; 2],
+    /// The ground, on which entities are clamped.
+    pub terrain: Terrain,
 }
 
 /// The message's own circumstances.
@@ -83,12 +86,12 @@ impl Scene {
     /// Nothing said yet; the world is as new.
     pub fn new(convention: Convention) -> Self {
         Self {
-            convention,
-            entities: Entities::new(convention.sea_level_m),
+            entities: Entities::new(convention.sea_level_m, convention.terrain.clone()),
             views: Views::new(convention.size_px),
             sky: Sky::default(),
-            weather: Weather::new(convention),
+            weather: Weather::new(convention.sea_level_m, convention.seed),
             muted: BTreeSet::new(),
+            convention,
         }
     }
 

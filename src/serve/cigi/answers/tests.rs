@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::clouds::CloudKind;
+use crate::geo::terrain::Terrain;
 use crate::plan::scenes::{clear_day, layer};
 use crate::wire::cigi::packets::EntityControl;
 use crate::wire::cigi::scene::Moment;
@@ -13,7 +14,7 @@ fn known() -> Known {
     let mut snapshot = clear_day();
     snapshot.weather.layers = vec![layer(CloudKind::Stratus, 1_000.0, 400.0)];
     snapshot.weather.layers[0].coverage = 1.0;
-    let mut entities = Entities::new(SEA_LEVEL_M);
+    let mut entities = Entities::new(SEA_LEVEL_M, Terrain::ELLIPSOID);
     let moment = Moment { host_frame: 1, timestamp: None, extrapolate: false, now_s: 0.0 };
     let entity = EntityControl {
         entity_id: 1,

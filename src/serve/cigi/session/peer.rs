@@ -3,6 +3,7 @@
 use super::super::super::roles::Claim;
 use super::super::super::world_task::Request;
 use super::{CLIENT, Session};
+use crate::geo::terrain::Terrain;
 use crate::outputs::air::Air;
 use crate::settings::CigiSettings;
 use crate::wire::cigi::message::Opening;
@@ -84,7 +85,7 @@ impl Session {
     }
 
     fn forget(&mut self) {
-        self.scene = Scene::new(convention(&self.settings));
+        self.scene = Scene::new(convention(&self.settings, &self.app.terrain));
         self.questions.clear();
         self.outbox.clear();
         self.strikes.clear();
@@ -95,8 +96,9 @@ impl Session {
     }
 }
 
-pub(super) fn convention(settings: &CigiSettings) -> Convention {
-    Convention { sea_level_m: settings.sea_level_m, seed: settings.seed, size_px: settings.size_px }
+pub(super) fn convention(settings: &CigiSettings, terrain: &Terrain) -> Convention {
+    let CigiSettings { sea_level_m, seed, size_px, .. } = *settings;
+    Convention { sea_level_m, seed, size_px, terrain: terrain.clone() }
 }
 
 /// Whether two addresses are the same, however an IPv4 one is written.

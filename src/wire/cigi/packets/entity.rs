@@ -36,7 +36,7 @@ packets! {
         /// Inherit alpha: 0 Not Inherited, 1 Inherited.
         inherit_alpha: bool, bit(4, 4), absent(), ignored("no models are drawn");
         /// Ground ocean clamp: 0 No Clamp, 1 Non-Conformal, 2 Conformal; ignored when attached.
-        ground_ocean_clamp: u8, bits(4, 5, 2), absent(), used("the altitude counts from the ground, which is level, so that a conformal clamp tilts nothing");
+        ground_ocean_clamp: u8, bits(4, 5, 2), absent(), used("the altitude counts from the ground; 2: the entity also leans with it");
         /// Animation direction: 0 Forward, 1 Backward.
         animation_direction: bool, bit(5, 0), absent(), ignored("no models are drawn");
         /// Animation loop mode: 0 One-Shot, 1 Continuous.
@@ -130,7 +130,7 @@ packets! {
         /// Attach state: 0 Detach, 1 Attach.
         attach_state: bool, absent(), bit(4, 0), used("whether the position is an offset from the parent");
         /// Ground ocean clamp: 0 No Clamp, 1 Non-Conformal, 2 Conformal.
-        ground_ocean_clamp: u8, absent(), bits(4, 1, 2), used("the altitude counts from the ground, which is level, so that a conformal clamp tilts nothing");
+        ground_ocean_clamp: u8, absent(), bits(4, 1, 2), used("the altitude counts from the ground; 2: the entity also leans with it");
         /// Entity id: 0 = Ownship.
         entity_id: u16, absent(), at(6), used("which entity; 0 is the ownship");
         /// Parent id: entity id.

@@ -2,6 +2,7 @@
 
 use super::{Moment, half_turn};
 use crate::geo::frames::{ENU_NED, attitude_of, ecef_from_body, enu, ned_from_body};
+use crate::geo::terrain::Terrain;
 use crate::geo::wgs84::{from_ecef, to_ecef};
 use crate::geo::{Attitude, Geodetic};
 use crate::wire::cigi::packets::{EntityControl, EntityPosition, EntityState};
@@ -9,7 +10,7 @@ use crate::wire::limits::CIGI_ENTITIES;
 use crate::world::command::{Command, Ownship};
 use crate::world::event::Refused;
 use crate::world::limits::{LATITUDE_DEG, PITCH_DEG, VELOCITY_MPS};
-use glam::DVec3;
+use glam::{DMat3, DQuat, DVec3};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Deepest chain of attachments that is followed; a longer one, or a circle, leaves the entity where it was.
@@ -21,6 +22,9 @@ const TICK_S: f64 = 1e-5;
 /// `entity_state` of an entity that is destroyed.
 const DESTROYED: u8 = 2;
 
+/// `ground_ocean_clamp` of an entity that lies along the ground.
+const CONFORMAL: u8 = 2;
+
 /// The ownship's number.
 pub const OWNSHIP: u16 = 0;
 
@@ -28,6 +32,7 @@ pub const OWNSHIP: u16 = 0;
 #[derive(Clone, Debug)]
 pub struct Entities {
     sea_level_m: f64,
+    terrain: Terrain,
     known: BTreeMap<u16, Entity>,
     /// Those of which the world is to hear.
     changed: BTreeSet<u16>,
@@ -47,7 +52,7 @@ struct Entity {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Place {
     parent: Option<u16>,
-    clamped: bool,
+    clamp: u8,
     attitude: Attitude,
     /// Latitude, longitude, altitude in degrees and metres above mean sea level; or an offset in the parent's body axes.
     at: [f64; 3],
@@ -64,8 +69,8 @@ pub struct Pose {
 
 impl Entities {
     /// None yet.
-    pub fn new(sea_level_m: f64) -> Self {
-        Self { sea_level_m, known: BTreeMap::new(), changed: BTreeSet::new(), gone: Vec::new() }
+    pub fn new(sea_level_m: f64, terrain: Terrain) -> Self {
+        Self { sea_level_m, terrain, known: BTreeMap::new(), changed: BTreeSet::new(), gone: Vec::new() }
     }
 
     /// Entity Control of CIGI 3.3.
@@ -77,7 +82,7 @@ impl Entities {
         if packet.entity_state != DESTROYED {
             let place = Place {
                 parent: packet.attach_state.then_some(packet.parent_id),
-                clamped: packet.ground_ocean_clamp != 0,
+                clamp: packet.ground_ocean_clamp,
                 attitude: attitude([packet.yaw, packet.pitch, packet.roll]),
                 at: [packet.lat_xoff, packet.lon_yoff, packet.alt_zoff],
             };
@@ -101,7 +106,7 @@ impl Entities {
     pub fn position(&mut self, packet: &EntityPosition, moment: &Moment) -> Result<(), Refused> {
         let place = Place {
             parent: packet.attach_state.then_some(packet.parent_id),
-            clamped: packet.ground_ocean_clamp != 0,
+            clamp: packet.ground_ocean_clamp,
             attitude: attitude([packet.yaw, packet.pitch, packet.roll]),
             at: [packet.lat_xoff, packet.lon_yoff, packet.alt_zoff],
         };
@@ -184,11 +189,15 @@ impl Entities {
         let place = self.known.get(&id)?.placed?;
         let Some(parent) = place.parent else {
             let mut position = self.geodetic(place.at);
-            if place.clamped {
-                // The ground is level, at height 0 above the ellipsoid, so that a conformal clamp tilts nothing.
-                position.altitude_m = place.at[2];
+            let mut attitude = place.attitude;
+            if place.clamp != 0 {
+                position.altitude_m = self.terrain.height_m(&position) + place.at[2];
             }
-            return Some(Pose { position, attitude: place.attitude });
+            if place.clamp == CONFORMAL {
+                let tilt = DMat3::from_quat(DQuat::from_rotation_arc(DVec3::Z, self.terrain.normal(&position)));
+                attitude = attitude_of(&(ENU_NED * tilt * ENU_NED * ned_from_body(&attitude)));
+            }
+            return Some(Pose { position, attitude });
         };
         let parent = self.pose_within(parent, parents.checked_sub(1)?)?;
         let axes = ecef_from_body(&parent.position, &parent.attitude);

@@ -4,8 +4,10 @@ use super::super::packets::*;
 use super::super::{ByteOrder, Version};
 use super::*;
 use crate::clouds::CloudKind;
-use crate::geo::Attitude;
+use crate::geo::frames::{ENU_NED, ned_from_body};
+use crate::geo::terrain::Terrain;
 use crate::geo::wgs84::to_ecef;
+use crate::geo::{Attitude, Geodetic};
 use crate::world::World;
 use crate::world::command::{Command, FlashKind, Polarity, Strokes};
 use crate::world::regions::signed_distance_m;
@@ -20,7 +22,8 @@ mod views_tests;
 #[path = "tests/weather.rs"]
 mod weather_tests;
 
-const CONVENTION: Convention = Convention { sea_level_m: 0.0, seed: 1, size_px: [640, 360] };
+const CONVENTION: Convention =
+    Convention { sea_level_m: 0.0, seed: 1, size_px: [640, 360], terrain: Terrain::ELLIPSOID };
 
 /// A host and the world that it speaks to.
 struct Host {

@@ -2,7 +2,7 @@
 
 use super::entities::OWNSHIP;
 use super::storm::{Storm, near as near_storm};
-use super::{Convention, Entities, half_turn};
+use super::{Entities, half_turn};
 use crate::outputs::air::{Air, AirMass};
 use crate::units::deg;
 use crate::wire::cigi::Version;
@@ -49,7 +49,8 @@ struct Said {
 /// All weather that was said, and what of it the world has heard.
 #[derive(Clone, Debug)]
 pub struct Weather {
-    convention: Convention,
+    sea_level_m: f64,
+    seed: u64,
     atmosphere: Option<AtmosphereControl>,
     regions: BTreeMap<u16, EnvironmentalRegionControl>,
     layers: BTreeMap<(Place, u8), Said>,
@@ -61,10 +62,11 @@ pub struct Weather {
 }
 
 impl Weather {
-    /// None said.
-    pub fn new(convention: Convention) -> Self {
+    /// None said. `sea_level_m`: mean sea level above the ellipsoid; `seed`: of storms.
+    pub fn new(sea_level_m: f64, seed: u64) -> Self {
         Self {
-            convention,
+            sea_level_m,
+            seed,
             atmosphere: None,
             regions: BTreeMap::new(),
             layers: BTreeMap::new(),
@@ -209,7 +211,7 @@ impl Weather {
             updraft_mps: air.global_vertical_wind_speed.into(),
             wind_from_deg: f64::from(air.global_wind_direction).rem_euclid(360.0),
         });
-        let sea_level_m = self.convention.sea_level_m;
+        let sea_level_m = self.sea_level_m;
         let mut layers = Vec::new();
         let everywhere = (Place::Global, None, true, true);
         let regions = self.places(entities).into_iter().map(|(place, shape, merges)| {
@@ -246,7 +248,7 @@ impl Weather {
             Some(said) => self.storm(place, LIGHTNING_LAYER, &said.packet, entities),
             None => {
                 let shape = self.shape_of(place, entities)?;
-                Some(Storm { shape, base_m: None, severity, seed: self.convention.seed, layer: LIGHTNING_LAYER })
+                Some(Storm { shape, base_m: None, severity, seed: self.seed, layer: LIGHTNING_LAYER })
             }
         };
         storm.map(|storm| Storm { severity, ..storm })
@@ -263,8 +265,8 @@ impl Weather {
 
     fn storm(&self, place: Place, layer: u8, packet: &WeatherControl, entities: &Entities) -> Option<Storm> {
         let middle_m = f64::from(packet.base_elevation) + 0.5 * f64::from(packet.thickness).max(0.0);
-        let base_m = Some(middle_m + self.convention.sea_level_m);
-        let (severity, seed) = (packet.severity, self.convention.seed);
+        let base_m = Some(middle_m + self.sea_level_m);
+        let (severity, seed) = (packet.severity, self.seed);
         Some(Storm { shape: self.shape_of(place, entities)?, base_m, severity, seed, layer })
     }
 
@@ -325,7 +327,7 @@ impl Weather {
 
     /// Clouds of a place, ready for the world.
     fn clouds_of(&self, place: Place) -> Vec<clouds::Parts> {
-        let sea_level_m = self.convention.sea_level_m;
+        let sea_level_m = self.sea_level_m;
         self.said_of(place).filter_map(|said| clouds::parts(&said.packet, said.version, sea_level_m)).collect()
     }
 }

@@ -91,3 +91,25 @@ fn motion_follows_from_positions_and_time_stamps_where_both_flags_are_set() {
         assert_close([north_m], [if moves { 100.0 } else { 0.0 }], 0.1);
     }
 }
+
+#[test]
+fn a_clamped_entity_stands_on_the_ground_and_leans_with_it_if_asked_to() {
+    let terrain = Terrain::procedural();
+    let mut host = Host::with(Convention { terrain: terrain.clone(), sea_level_m: 48.0, ..CONVENTION }, Version::V3);
+    // On a mountainside in the Alps.
+    let place = Geodetic { latitude_rad: 46.0f64.to_radians(), longitude_rad: 7.6f64.to_radians(), altitude_m: 0.0 };
+    let (height_m, normal) = (terrain.height_m(&place), terrain.normal(&place));
+    assert!(height_m > 500.0 && normal.z < 0.999, "{height_m} {normal}");
+    let mut stands = |ground_ocean_clamp: u8| {
+        host.says([EntityControl { ground_ocean_clamp, yaw: 30.0, ..ownship(46.0, 7.6, 3.0) }.into()]);
+        host.sees().ownship
+    };
+    let upright = stands(1);
+    assert!((upright.position.altitude_m - height_m - 3.0).abs() < 1e-6, "{upright:?} on {height_m}");
+    assert_close(degrees(&upright.attitude), [30.0, 0.0, 0.0], 1e-12);
+    let leaning = stands(2);
+    assert_eq!(leaning.position, upright.position);
+    // Its own up is the ground's normal. The normal is that of a place which lies within rounding of this one.
+    let up = -(ENU_NED * ned_from_body(&leaning.attitude)).z_axis;
+    assert!((up - normal).length() < 1e-6, "{up} {normal}");
+}
