@@ -68,7 +68,7 @@ pub(super) fn run(options: Options) -> Result<(), Failure> {
 impl From<ServeError> for Failure {
     fn from(error: ServeError) -> Self {
         match error {
-            ServeError::Scenario(_) => Self::Input(error.to_string()),
+            ServeError::Scenario(_) | ServeError::Ground(_) => Self::Input(error.to_string()),
             _ => Self::Run(error.to_string()),
         }
     }

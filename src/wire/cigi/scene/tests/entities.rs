@@ -5,7 +5,7 @@ use super::*;
 #[test]
 fn the_ownship_is_entity_0_in_both_versions_above_mean_sea_level() {
     let convention = Convention { sea_level_m: 48.0, ..CONVENTION };
-    let mut old = Host::with(convention, Version::V3);
+    let mut old = Host::with(convention.clone(), Version::V3);
     old.says([EntityControl { yaw: 271.75, pitch: 3.25, roll: -12.5, ..ownship(47.25, 11.5, 2_000.0) }.into()]);
     let mut new = Host::with(convention, Version::V4);
     let position = EntityPosition {
