@@ -63,7 +63,8 @@ pub(super) struct Options {
     explain: bool,
 }
 
-fn terrain(text: &str) -> Result<TerrainChoice, String> {
+/// The ground of a name.
+pub(super) fn terrain(text: &str) -> Result<TerrainChoice, String> {
     match text {
         "procedural" => Ok(TerrainChoice::Procedural),
         "ellipsoid" => Ok(TerrainChoice::Ellipsoid),

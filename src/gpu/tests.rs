@@ -185,8 +185,9 @@ fn sky_and_ground_equal_their_twins() {
         let (mean, beyond) = compare(name, &mut gpu, Scene { coverage: 0.0, altitude_m, pitch_deg, ..BELOW });
         // f16 rounds by 0.05 %, the sampler's 8-bit weights add a few times that where the table or the map is steep.
         assert!(mean < 0.003, "{name}: {mean}");
-        // The coastline and the sun's rim are steps: single pixels may fall on the other side.
-        assert!(beyond < 0.002, "{name}: {beyond}");
+        // The sun's rim, the coastline and the edges of fields are steps, and fields are bent by the map, so that single pixels fall
+        // on the other side: at half a field a pixel 0.4 % did.
+        assert!(beyond < 0.008, "{name}: {beyond}");
     }
 }
 
@@ -198,7 +199,7 @@ fn terrain_equals_its_twin_and_hides_what_is_behind() {
         ("mountains", Scene { coverage: 0.0, ..MOUNTAINS }),
         ("clouds among mountains", MOUNTAINS),
         ("the same at half size", Scene { deck_scale: 2, ..MOUNTAINS }),
-        ("a coast", Scene { latitude_deg: 43.5, longitude_deg: 7.0, altitude_m: 900.0, ..MOUNTAINS }),
+        ("a coast", Scene { latitude_deg: 43.65, longitude_deg: 6.95, altitude_m: 1_600.0, ..MOUNTAINS }),
         ("from 60 km", Scene { altitude_m: 60_000.0, pitch_deg: -40.0, ..MOUNTAINS }),
     ];
     for (name, scene) in scenes {

@@ -151,8 +151,7 @@ mod tests {
             assert!((spatial(p + DVec3::splat(1e-4), 5) - here).abs() < 6.0 * 1.8e-4, "{p}");
             sum += here;
             squares += here * here;
-            periodic += here
-                * f64::from(gradient(Vec3::new(p.x as f32, p.y as f32, p.z as f32), [1 << 20; 3], 5));
+            periodic += here * f64::from(gradient(Vec3::new(p.x as f32, p.y as f32, p.z as f32), [1 << 20; 3], 5));
         }
         // Mean 0 within five standard errors of 20,000 numbers; one of the other noise's seeds has nothing to do with it.
         let spread = (squares / 20_000.0f64).sqrt();

@@ -184,8 +184,8 @@ mod tests {
             let Some(range) = hit_m(&terrain, to_ecef(&from), direction, 200_000.0) else { continue };
             met += 1;
             let place = from_ecef(to_ecef(&from) + direction * range);
-            // Forty halvings of a step of kilometres; ECEF keeps 1e-9 m.
-            assert!((place.altitude_m - terrain.height_m(&place)).abs() < 1e-3, "{k}: {place:?}");
+            // Forty halvings of a step of kilometres; noise in f32 makes the ground rough by some millimetres.
+            assert!((place.altitude_m - terrain.height_m(&place)).abs() < 0.01, "{k}: {place:?}");
             // No ground before it: a hundred places on the way are above it, but for crests thinner than a step (1 in 1,000).
             let above = (1..100).filter(|i| {
                 let place = from_ecef(to_ecef(&from) + direction * (range * f64::from(*i) / 100.0));

@@ -46,6 +46,10 @@ impl Whole {
 pub const MESSAGE_BYTES: usize = 256 * 1024;
 /// Longest scenario file in bytes.
 pub const SCENARIO_BYTES: usize = 4 * 1024 * 1024;
+/// Longest file of heights in bytes.
+pub const HEIGHT_FILE_BYTES: usize = 512 * 1024 * 1024;
+/// Most heights of a file: 144 MB of memory, and a third more for its coarser forms.
+pub const HEIGHT_SAMPLES: usize = 36_000_000;
 /// Longest settings file in bytes.
 pub const SETTINGS_BYTES: usize = 64 * 1024;
 /// Deepest nesting of lists and objects in any JSON text (an inline scenario's layers stand at depth 6).

@@ -10,7 +10,7 @@ use crate::encode::{Format, encode_pixels};
 use crate::frame::Pixels;
 use crate::plan::executor::Executor;
 use crate::plan::{Output, plan};
-use crate::settings::ExecutorChoice;
+use crate::settings::{ExecutorChoice, TerrainChoice};
 use canvas::Canvas;
 use scenes::{SHEETS, Scene, Sheet};
 use std::path::PathBuf;
@@ -42,6 +42,9 @@ pub(super) struct Options {
     /// What draws: gpu, reference, or auto (the GPU when there is one).
     #[arg(long, value_name = "E", value_parser = executor::choice, default_value = "auto")]
     executor: ExecutorChoice,
+    /// Where the ground is: procedural, or ellipsoid (level everywhere).
+    #[arg(long, value_name = "T", value_parser = super::render::terrain, default_value = "ellipsoid")]
+    terrain: TerrainChoice,
     /// Shows the sheets with their rows and columns and ends.
     #[arg(long)]
     list: bool,
@@ -102,7 +105,8 @@ fn cell(
     for layer in &mut scene.layers {
         layer.coverage = options.coverage.unwrap_or(layer.coverage);
     }
-    let snapshot = scene.snapshot(options.size).map_err(|refused| Failure::Run(refused.to_string()))?;
+    let snapshot =
+        scene.snapshot(options.size, options.terrain.terrain()).map_err(|refused| Failure::Run(refused.to_string()))?;
     let view = snapshot.views.first().ok_or_else(|| Failure::Run("the scene has no view".to_owned()))?;
     executor.submit(0, &plan(&snapshot, view, Output::Srgb8))?;
     let finished = executor.collect(true)?;
@@ -128,6 +132,7 @@ fn chosen(what: &str, labels: Vec<String>, words: &[String]) -> Result<Vec<(usiz
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geo::terrain::Terrain;
 
     #[test]
     fn rows_are_chosen_by_a_part_of_their_label() {
@@ -147,7 +152,7 @@ mod tests {
         for sheet in SHEETS {
             for row in 0..(sheet.rows)().len() {
                 for column in 0..(sheet.columns)().len() {
-                    let snapshot = (sheet.scene)(row, column).snapshot([32, 18]);
+                    let snapshot = (sheet.scene)(row, column).snapshot([32, 18], Terrain::ELLIPSOID);
                     assert!(snapshot.is_ok(), "{}, {row}, {column}: {:?}", sheet.name, snapshot.err());
                 }
             }

@@ -1,6 +1,7 @@
 //! The sheets: which scenes stand in their rows and columns. A new sheet is one more entry of [`SHEETS`].
 
 use crate::clouds::CloudKind;
+use crate::geo::terrain::Terrain;
 use crate::world::World;
 use crate::world::command::{Command, LayerSpec, Ownship, TimeEdit, WeatherEdit};
 use crate::world::event::Refused;
@@ -17,7 +18,7 @@ pub(super) struct Sheet {
 }
 
 /// All sheets.
-pub(super) const SHEETS: &[Sheet] = &[TYPES, DAYS];
+pub(super) const SHEETS: &[Sheet] = &[TYPES, DAYS, APPROACH];
 
 /// Where the eye is and what it sees: one cell.
 #[derive(Clone, Debug)]
@@ -35,12 +36,13 @@ pub(super) struct Scene {
 }
 
 impl Scene {
-    /// The world as this cell shows it, in its first view.
+    /// The world as this cell shows it, over some ground, in its first view.
     ///
     /// # Errors
     /// What the world refused.
-    pub(super) fn snapshot(&self, size_px: [u32; 2]) -> Result<Snapshot, Refused> {
+    pub(super) fn snapshot(&self, size_px: [u32; 2], terrain: Terrain) -> Result<Snapshot, Refused> {
         let mut world = World::new();
+        world.set_terrain(terrain);
         let ownship = Ownship {
             latitude_deg: self.latitude_deg,
             longitude_deg: self.longitude_deg,
@@ -165,5 +167,46 @@ fn days(sky: usize, place: usize, step: u32) -> Scene {
         field_of_view_deg: 70.0,
         visibility_m: 60_000.0,
         layers: if coverage > 0.0 { vec![layer] } else { Vec::new() },
+    }
+}
+
+/// Down to a city by night.
+const APPROACH: Sheet = Sheet {
+    name: "approach",
+    about: "a night approach to Paris from 10 km down to 300 m, under a clear sky and through an overcast of 900 to 1,500 m",
+    rows: || ["clear", "overcast"].map(str::to_owned).to_vec(),
+    columns: || HEIGHTS_M.iter().map(|height_m| format!("{height_m} m")).collect(),
+    scene: |row, column| approach(row == 1, HEIGHTS_M[column]),
+};
+
+const HEIGHTS_M: [f64; 8] = [10_000.0, 7_000.0, 5_000.0, 3_000.0, 2_000.0, 1_200.0, 700.0, 300.0];
+
+/// On a path of 1 in 12 towards the middle of the city from the south-west.
+fn approach(overcast: bool, altitude_m: f64) -> Scene {
+    let heading_deg: f64 = 40.0;
+    let (south_deg, west_deg) = (
+        12.0 * altitude_m * heading_deg.to_radians().cos() / 111_200.0,
+        12.0 * altitude_m * heading_deg.to_radians().sin(),
+    );
+    let layer = LayerSpec {
+        kind: CloudKind::Stratocumulus,
+        base_m: 900.0,
+        thickness_m: 600.0,
+        coverage: 1.0,
+        density: 1.0,
+        wind_speed_mps: 0.0,
+        wind_from_deg: 0.0,
+    };
+    Scene {
+        // On 2026-05-16 the moon is new.
+        utc_s: clock(23, 30) + 15.0 * 86_400.0,
+        latitude_deg: 48.857 - south_deg,
+        longitude_deg: 2.352 - west_deg / (111_200.0 * 48.5f64.to_radians().cos()),
+        altitude_m,
+        yaw_deg: heading_deg,
+        pitch_deg: -4.8,
+        field_of_view_deg: 60.0,
+        visibility_m: 40_000.0,
+        layers: if overcast { vec![layer] } else { Vec::new() },
     }
 }

@@ -33,7 +33,7 @@ fn alps_are_mountains_plains_are_plains_and_the_sea_is_level() {
 #[test]
 fn towns_lie_in_valleys() {
     let terrain = Terrain::procedural();
-    // Real heights: 375, 574, 262, 553, 1,400, 2,240, 3,640, 1,280 m; the made ones stand on plains of 15 to 300 m and on the
+    // Real heights: 375, 574, 262, 553, 1,400, 3,650, 2,240, 3,640, 1,280 m; the made ones stand on plains of 15 to 300 m and on the
     // floors of the ranges, which are good to some hundred metres.
     for (name, latitude, longitude, least_m, most_m) in [
         ("Geneva", 46.20, 6.15, 50.0, 900.0),
@@ -41,6 +41,7 @@ fn towns_lie_in_valleys() {
         ("Bolzano", 46.49, 11.35, 100.0, 1_000.0),
         ("Grenoble", 45.18, 5.72, 50.0, 900.0),
         ("Kathmandu", 27.71, 85.32, 600.0, 2_200.0),
+        ("Lhasa", 29.65, 91.10, 2_500.0, 4_200.0),
         ("Mexico City", 19.43, -99.13, 1_500.0, 2_900.0),
         ("La Paz", -16.50, -68.15, 2_800.0, 4_500.0),
         ("Salt Lake City", 40.76, -111.89, 700.0, 2_000.0),
@@ -57,9 +58,13 @@ fn towns_lie_in_valleys() {
 fn the_ground_is_continuous_everywhere() {
     let terrain = Terrain::procedural();
     // 20 m steps over a coast, through mountains, over the pole, across the 180th meridian.
-    for (latitude, longitude, north, east) in
-        [(43.45, 7.1, 1.0, 0.3), (46.3, 7.9, 0.2, 1.0), (47.1, 11.39, 1.0, 0.0), (-89.99, 30.0, -1.0, 0.0), (67.2, 179.98, 0.0, 1.0)]
-    {
+    for (latitude, longitude, north, east) in [
+        (43.45, 7.1, 1.0, 0.3),
+        (46.3, 7.9, 0.2, 1.0),
+        (47.1, 11.39, 1.0, 0.0),
+        (-89.99, 30.0, -1.0, 0.0),
+        (67.2, 179.98, 0.0, 1.0),
+    ] {
         let step = 20.0 / 111_195.0;
         let mut before = terrain.height_m(&at(latitude, longitude));
         for k in 1..3_000 {

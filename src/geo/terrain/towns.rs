@@ -119,11 +119,13 @@ mod tests {
 
     #[test]
     fn towns_are_towns_and_the_wilderness_is_not() {
-        for (name, latitude, longitude) in [("Geneva", 46.20, 6.15), ("Innsbruck", 47.26, 11.39), ("Suva", -18.13, 178.43)]
+        for (name, latitude, longitude) in
+            [("Geneva", 46.20, 6.15), ("Innsbruck", 47.26, 11.39), ("Suva", -18.13, 178.43)]
         {
             assert!(at(latitude, longitude) > 0.9, "{name}");
         }
-        for (name, latitude, longitude) in [("Mont Blanc", 45.83, 6.86), ("Atlantic", 30.0, -40.0), ("pole", 90.0, 0.0)] {
+        for (name, latitude, longitude) in [("Mont Blanc", 45.83, 6.86), ("Atlantic", 30.0, -40.0), ("pole", 90.0, 0.0)]
+        {
             assert!(at(latitude, longitude) < 0.15, "{name}: {}", at(latitude, longitude));
         }
         assert_eq!(share(46.2f64.to_radians(), 6.15f64.to_radians(), COARSEST_M), 0.0);

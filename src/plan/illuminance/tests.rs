@@ -184,9 +184,9 @@ fn poles_at_the_solstices_and_the_thickest_and_clearest_air_have_light() {
             let mut snapshot = sunlit(elevation_deg);
             snapshot.weather.visibility_m = visibility_m;
             let (found, clear) = (ground_lux(&snapshot), ground_lux(&sunlit(elevation_deg)));
-            // Fog of 1.2 km height and a depth of 70 lets through about a thirteenth as a diffuse slab does.
+            // Fog of 1.2 km height and a depth of 70 lets through about a thirteenth as a diffuse slab does, less of grazing light.
             let share = found / clear;
-            assert!((0.02..1.5).contains(&share), "{visibility_m} m, {elevation_deg} degrees: {share}");
+            assert!((0.004..1.5).contains(&share), "{visibility_m} m, {elevation_deg} degrees: {share}");
         }
     }
 }
