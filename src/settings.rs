@@ -9,7 +9,7 @@ pub use ground::{NoGround, with_heights};
 pub use scenarios::{BUILT_IN_SCENARIOS, built_in, text_of};
 
 use crate::geo::terrain::Terrain;
-use crate::wire::control::names::{DeckFormName, LightEncodingName};
+use crate::wire::control::names::{DeckFormName, LightEncodingName, RelightName};
 use crate::wire::json::{self, Complaint, Node, Problem, Rule, Size};
 use crate::wire::{limits, schema};
 use crate::world::event::Refused;
@@ -50,6 +50,8 @@ pub struct Settings {
     pub deck_form: DeckFormName,
     /// How the light inside the deck is stored.
     pub light_encoding: LightEncodingName,
+    /// How flashes light the clouds.
+    pub relight: RelightName,
     /// Ratio between the radii of neighbouring billboard rings, above 1.
     pub ring_ratio: f64,
     /// Most strokes of lightning in any one second that give light, for people sensitive to flicker; `None`: no limit.
@@ -151,6 +153,8 @@ struct SettingsFile {
     deck_form: DeckFormName,
     /// How the light inside the deck is stored: the encodings differ in memory and error, not in time.
     light_encoding: LightEncodingName,
+    /// How flashes light the clouds, from bare points to the reference: each costs more than the one before.
+    relight: RelightName,
     /// Ratio between the radii of neighbouring billboard rings.
     #[schemars(range(min = limits::RING_RATIO.min, max = limits::RING_RATIO.max))]
     ring_ratio: f64,
@@ -284,6 +288,7 @@ impl Settings {
             deck_scale: self.deck_scale,
             deck_form: self.deck_form.into(),
             light_encoding: self.light_encoding.into(),
+            relight: self.relight.into(),
         }
     }
 
@@ -328,6 +333,7 @@ impl Settings {
             deck_scale: file.deck_scale,
             deck_form: file.deck_form,
             light_encoding: file.light_encoding,
+            relight: file.relight,
             ring_ratio: file.ring_ratio,
             flicker_guard_per_s: file.flicker_guard_per_s,
             terrain: file.terrain,

@@ -4,6 +4,7 @@ use super::progress::Progress;
 use super::{Failure, executor, scenario};
 use crate::encode::{Format, encode_pixels};
 use crate::frame::Pixels;
+use crate::passes::relight::Lighting;
 use crate::plan::executor::{Executor, Fault};
 use crate::plan::{FramePlan, Output, plan};
 use crate::settings::{ExecutorChoice, TerrainChoice, with_heights};
@@ -58,6 +59,9 @@ pub(super) struct Options {
     /// Slices per cloud layer.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(limits::SLICES.min as i64..=limits::SLICES.max as i64))]
     slices: Option<u32>,
+    /// How flashes light the clouds: point, single, solve or reference.
+    #[arg(long, value_name = "METHOD", value_parser = relight)]
+    relight: Option<Lighting>,
     /// Prints the plan of the (first) picture: each pass, kept or left out, and why.
     #[arg(long)]
     explain: bool,
@@ -70,6 +74,11 @@ pub(super) fn terrain(text: &str) -> Result<TerrainChoice, String> {
         "ellipsoid" => Ok(TerrainChoice::Ellipsoid),
         _ => Err("procedural or ellipsoid".to_owned()),
     }
+}
+
+fn relight(text: &str) -> Result<Lighting, String> {
+    let names = Lighting::ALL.map(Lighting::name).join(", ");
+    Lighting::ALL.into_iter().find(|method| method.name() == text).ok_or_else(|| format!("one of {names}"))
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
@@ -181,10 +190,9 @@ fn world(options: &Options) -> Result<World, Failure> {
     world
         .apply(Command::Scenario(ScenarioEdit::Load(Arc::new(timeline))))
         .map_err(|refused: Refused| Failure::Input(refused.to_string()))?;
-    if let Some(slices) = options.slices {
-        let quality = world.peek(0.0).quality;
-        world.set_quality(Quality { slices, ..quality });
-    }
+    let quality = world.peek(0.0).quality;
+    let (slices, relight) = (options.slices.unwrap_or(quality.slices), options.relight.unwrap_or(quality.relight));
+    world.set_quality(Quality { slices, relight, ..quality });
     Ok(world)
 }
 

@@ -41,9 +41,9 @@ pub fn decks(
     // Fewer than one picture needs would be made anew for each picture.
     let most = plan.layers.iter().map(|layer| layer.light.len()).sum::<usize>().max(VOLUMES_KEPT);
     let glow = resident.glow(gpu, plan.glow.as_ref());
-    let layers = plan.layers.iter().zip(shades);
+    let (lit, layers) = (!plan.lit.is_empty(), plan.layers.iter().zip(shades));
     let decks = layers.map(|(layer, shade)| {
-        let mut deck = deck(gpu, pipelines, resident, (layer, shade.as_ref()), &glow, most);
+        let mut deck = deck(gpu, pipelines, resident, (layer, shade.as_ref(), lit), &glow, most);
         (deck.variant.terrain, deck.variant.glow) = (plan.terrain(), plan.glow.is_some());
         deck
     });
@@ -54,7 +54,7 @@ fn deck(
     gpu: &Gpu,
     pipelines: &Pipelines,
     resident: &mut Resident,
-    (layer, shade): (&LayerPlan, Option<&wgpu::TextureView>),
+    (layer, shade, lit): (&LayerPlan, Option<&wgpu::TextureView>, bool),
     glow: &(wgpu::Buffer, wgpu::TextureView),
     most_volumes: usize,
 ) -> Deck {
@@ -82,7 +82,7 @@ fn deck(
     let variant = DeckVariant {
         several_charts: layer.layer.charts > 1,
         regions: layer.layer.regions > 0,
-        flashes: layer.layer.flashes > 0,
+        flashes: layer.layer.flashes > 0 || lit,
         light: layer.layer.encoding(),
         shaded: shade.is_some(),
         terrain: false,

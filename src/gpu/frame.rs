@@ -4,6 +4,7 @@ use super::GpuExecutor;
 use super::deck::{Scene, decks};
 use super::device::Gpu;
 use super::pipelines::{GroundVariant, Pipelines};
+use super::relight::Bound;
 use super::resident::Resident;
 use super::ring::Content;
 use super::targets::Target;
@@ -15,6 +16,7 @@ use crate::world::snapshot::DeckForm;
 /// Records and submits a plan, and enters its picture into the ring.
 pub fn submit(executor: &mut GpuExecutor, ticket: u64, plan: &FramePlan) {
     let GpuExecutor { gpu, pipelines, resident, targets, ring } = executor;
+    let lit = resident.fields.bind(gpu, plan);
     let shades = shadow::shades(gpu, resident, plan);
     let decks = decks(gpu, pipelines, resident, plan, &shades);
     let target = targets.of(gpu, plan);
@@ -23,7 +25,7 @@ pub fn submit(executor: &mut GpuExecutor, ticket: u64, plan: &FramePlan) {
     let grids = resident.grids.group(gpu, pipelines, plan.relief.as_ref());
     if plan.terrain() {
         let blank = Behind { deck: &nothing, relief: &nothing };
-        let frame = frame_group(gpu, pipelines, resident, plan, &plan.camera, blank);
+        let frame = frame_group(gpu, pipelines, resident, (plan, &lit), &plan.camera, blank);
         relief::record(pipelines, &mut encoder, target, &frame, &grids);
     }
     let ranges = target.relief.as_ref().unwrap_or(&nothing);
@@ -33,7 +35,7 @@ pub fn submit(executor: &mut GpuExecutor, ticket: u64, plan: &FramePlan) {
             gpu,
             pipelines,
             resident,
-            plan,
+            (plan, &lit),
             &plan.camera.coarser(plan.deck_scale),
             Behind { deck: &nothing, relief: ranges },
         );
@@ -55,7 +57,7 @@ pub fn submit(executor: &mut GpuExecutor, ticket: u64, plan: &FramePlan) {
             gpu,
             pipelines,
             resident,
-            plan,
+            (plan, &lit),
             &plan.camera.coarser(shadows.scale),
             Behind { deck: hiding, relief: ranges },
         );
@@ -65,12 +67,12 @@ pub fn submit(executor: &mut GpuExecutor, ticket: u64, plan: &FramePlan) {
     }
     let stars = resident.stars(gpu, pipelines, plan.stars.as_ref());
     let recorder = Recorder { gpu, target, nothing: &nothing, grids: &grids, stars: &stars };
-    let frame = frame_group(gpu, pipelines, resident, plan, &plan.camera, Behind { deck, relief: ranges });
+    let frame = frame_group(gpu, pipelines, resident, (plan, &lit), &plan.camera, Behind { deck, relief: ranges });
     recorder.behind(&mut encoder, pipelines, &frame, plan);
     if let (Some(planned), Some(images)) = (&plan.strokes, &target.strokes) {
         let camera = plan.camera.coarser(planned.air_scale);
         let behind = Behind { deck: &nothing, relief: ranges };
-        let coarse = frame_group(gpu, pipelines, resident, plan, &camera, behind);
+        let coarse = frame_group(gpu, pipelines, resident, (plan, &lit), &camera, behind);
         let scene = strokes::Scene {
             strokes: planned,
             exposure: plan.camera.exposure,
@@ -92,7 +94,7 @@ pub fn submit(executor: &mut GpuExecutor, ticket: u64, plan: &FramePlan) {
     };
     let copied = ring.copy(gpu, &mut encoder, texture, plan.size_px);
     let submission = gpu.queue.submit([encoder.finish()]);
-    ring.enter(ticket, plan.size_px, content, copied, submission);
+    ring.enter(ticket, plan.size_px, (content, lit.provisional), copied, submission);
 }
 
 /// Images that a frame's passes read of one another.
@@ -105,7 +107,7 @@ fn frame_group(
     gpu: &Gpu,
     pipelines: &Pipelines,
     resident: &mut Resident,
-    plan: &FramePlan,
+    (plan, lit): (&FramePlan, &Bound),
     camera: &Camera,
     images: Behind,
 ) -> wgpu::BindGroup {
@@ -124,6 +126,8 @@ fn frame_group(
             wgpu::BindingResource::Sampler(&resident.repeated),
             wgpu::BindingResource::TextureView(images.deck),
             wgpu::BindingResource::TextureView(images.relief),
+            lit.lits.as_entire_binding(),
+            wgpu::BindingResource::TextureView(&lit.quotients),
         ],
     )
 }

@@ -70,6 +70,8 @@ impl Layouts {
                     sampler,
                     texture(D2, true),
                     texture(D2, false),
+                    parameters,
+                    volume,
                 ],
             ),
             deck: layout(

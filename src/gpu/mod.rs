@@ -14,6 +14,7 @@ mod light;
 mod march;
 mod pipelines;
 mod relief;
+mod relight;
 mod resident;
 mod ring;
 mod shadow;

@@ -10,6 +10,7 @@ use crate::plan::FramePlan;
 use std::collections::HashMap;
 
 const COMMON: &str = include_str!("../passes/common.wgsl");
+const RELIGHT: &str = include_str!("../passes/relight/relight.wgsl");
 const FIELD: &str = include_str!("../passes/deck/field.wgsl");
 const RELIEF: &str = include_str!("../passes/relief/field.wgsl");
 
@@ -18,12 +19,12 @@ pub fn shaders() -> Vec<(&'static str, String)> {
     let with_common = |name, text: &str| (name, format!("{COMMON}\n{text}"));
     vec![
         with_common("sky", include_str!("../passes/sky/sky.wgsl")),
-        with_common("ground", &format!("{RELIEF}\n{}", include_str!("../passes/ground/ground.wgsl"))),
+        with_common("ground", &format!("{RELIGHT}\n{RELIEF}\n{}", include_str!("../passes/ground/ground.wgsl"))),
         with_common("relief", &format!("{RELIEF}\n{}", include_str!("../passes/relief/relief.wgsl"))),
-        with_common("deck", &format!("{FIELD}\n{}", include_str!("../passes/deck/deck.wgsl"))),
-        with_common("march", &format!("{FIELD}\n{}", include_str!("../passes/deck/march.wgsl"))),
-        with_common("shadow", &format!("{FIELD}\n{}", include_str!("../passes/shadow/shadow.wgsl"))),
-        with_common("veil", &format!("{FIELD}\n{}", include_str!("../passes/veil/veil.wgsl"))),
+        with_common("deck", &format!("{RELIGHT}\n{FIELD}\n{}", include_str!("../passes/deck/deck.wgsl"))),
+        with_common("march", &format!("{RELIGHT}\n{FIELD}\n{}", include_str!("../passes/deck/march.wgsl"))),
+        with_common("shadow", &format!("{RELIGHT}\n{FIELD}\n{}", include_str!("../passes/shadow/shadow.wgsl"))),
+        with_common("veil", &format!("{RELIGHT}\n{FIELD}\n{}", include_str!("../passes/veil/veil.wgsl"))),
         with_common("stroke", include_str!("../passes/stroke/stroke.wgsl")),
         with_common("airlight", include_str!("../passes/airlight/airlight.wgsl")),
         ("glow", include_str!("../passes/glow/glow.wgsl").to_string()),
@@ -76,7 +77,7 @@ impl GroundVariant {
     pub fn of(ground: &Ground, plan: &FramePlan) -> Self {
         Self {
             several_charts: ground.charts > 1,
-            flashes: ground.flashes > 0,
+            flashes: ground.flashes > 0 || !plan.lit.is_empty(),
             cities: plan.relief.as_ref().is_some_and(|relief| relief.lights),
             shadows: plan.shadow.is_some(),
             land: plan.relief.is_some(),

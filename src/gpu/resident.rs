@@ -5,6 +5,7 @@ use super::frame::group;
 use super::light;
 use super::pipelines::Pipelines;
 use super::relief::Grids;
+use super::relight::Fields;
 use super::textures::{empty, filled};
 use crate::clouds::density::{self, DensityVolume};
 use crate::clouds::{CloudKind, detail, modulation};
@@ -53,6 +54,8 @@ pub struct Resident {
     glow: Option<(GlowWindow, wgpu::TextureView)>,
     /// The stars' cells and the stars.
     stars: Option<[wgpu::Buffer; 2]>,
+    /// Fields of flashes' light.
+    pub fields: Fields,
 }
 
 impl Resident {
@@ -89,6 +92,7 @@ impl Resident {
             shades: Vec::new(),
             glow: None,
             stars: None,
+            fields: Fields::default(),
         }
     }
 

@@ -31,6 +31,7 @@ struct Slot {
     size_px: [u32; 2],
     row_bytes: u32,
     content: Content,
+    provisional: bool,
     buffer: wgpu::Buffer,
     state: Arc<AtomicU8>,
     submission: wgpu::SubmissionIndex,
@@ -80,7 +81,7 @@ impl Ring {
         &mut self,
         ticket: u64,
         size_px: [u32; 2],
-        content: Content,
+        (content, provisional): (Content, bool),
         (buffer, row_bytes): (wgpu::Buffer, u32),
         submission: wgpu::SubmissionIndex,
     ) {
@@ -89,7 +90,7 @@ impl Ring {
         buffer.map_async(wgpu::MapMode::Read, .., move |result| {
             told.store(if result.is_ok() { READY } else { FAILED }, Ordering::Release);
         });
-        self.under_way.push_back(Slot { ticket, size_px, row_bytes, content, buffer, state, submission });
+        self.under_way.push_back(Slot { ticket, size_px, row_bytes, content, provisional, buffer, state, submission });
     }
 
     /// Pictures that are ready, oldest first; waits for the oldest if asked to.
@@ -114,7 +115,8 @@ impl Ring {
             let Some(pixels) = read else {
                 return Err(Fault::DeviceLost("a picture could not be read back".to_owned()));
             };
-            finished.push(Finished { ticket: slot.ticket, pixels, read_back: begin.elapsed() });
+            let (ticket, provisional) = (slot.ticket, slot.provisional);
+            finished.push(Finished { ticket, pixels, provisional, read_back: begin.elapsed() });
             slot.buffer.unmap();
             self.free.push(slot.buffer);
             self.free.drain(..self.free.len().saturating_sub(2 * DEPTH));

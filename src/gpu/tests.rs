@@ -21,6 +21,7 @@ use crate::world::command::{
 use crate::world::snapshot::{DeckForm, Quality};
 use std::collections::HashMap;
 
+mod relight;
 mod strokes;
 
 /// A scene, in the words of its commands.

@@ -12,6 +12,7 @@ pub mod glow;
 pub mod ground;
 pub mod light;
 pub mod relief;
+pub mod relight;
 pub mod sampling;
 pub mod shadow;
 pub mod sky;

@@ -34,6 +34,8 @@ pub struct Finished {
     pub pixels: Pixels,
     /// How long it took from the drawn picture to its pixels in main memory.
     pub read_back: Duration,
+    /// Whether it stands in for one for which something is still being made.
+    pub provisional: bool,
 }
 
 /// Plays plans. Owned by the render thread alone.

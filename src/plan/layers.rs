@@ -3,6 +3,7 @@
 use super::eye::Eye;
 use super::illuminance::Illuminance;
 use super::regions::NearRegion;
+use super::relight::Bare;
 use super::{LayerPlan, PassNote};
 use crate::clouds::coverage::Coverage;
 use crate::clouds::{density, detail, slices};
@@ -30,13 +31,14 @@ pub fn extent_m(eye: &Eye, height_m: f64) -> f64 {
     (reach(eye.height_m) + reach(height_m)).clamp(2_000.0, FARTHEST_M)
 }
 
-/// Flashes with light in the shutter interval, brightest at the eye first.
-pub fn flashes(snapshot: &Snapshot, eye: &Eye, notes: &mut Vec<PassNote>) -> Vec<Flash> {
-    let mut lit: Vec<Flash> = snapshot
-        .flashes
+/// Flashes that light as points, brightest at the eye first.
+pub fn flashes(bare: &[Bare], eye: &Eye, notes: &mut Vec<PassNote>) -> Vec<Flash> {
+    let mut lit: Vec<Flash> = bare
         .iter()
-        .filter(|f| f.intensity_cd > 0.0)
-        .map(|f| Flash { position_m: eye.place(&f.position).into(), intensity: f.intensity_cd as f32 * 0.079_577_47 })
+        .map(|b| Flash {
+            position_m: eye.place(&b.flash.position).into(),
+            intensity: b.intensity_cd as f32 * 0.079_577_47,
+        })
         .collect();
     let strength = |f: &Flash| {
         let eye = Vec3::new(0.0, 0.0, eye.height_m as f32);
@@ -44,7 +46,7 @@ pub fn flashes(snapshot: &Snapshot, eye: &Eye, notes: &mut Vec<PassNote>) -> Vec
     };
     lit.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
     let why = match lit.len() {
-        0 => "no flash gives light in this frame".to_string(),
+        0 => "no flash gives light as a point in this frame".to_string(),
         n if n > FLASHES => {
             format!("{n} flashes give light, the brightest {FLASHES} are drawn, less the light of the next")
         }

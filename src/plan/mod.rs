@@ -9,6 +9,7 @@ mod illuminance;
 mod layers;
 mod regions;
 mod relief;
+mod relight;
 mod shade;
 mod shadow;
 mod stroke;
@@ -19,9 +20,11 @@ use crate::passes::deck::Layer;
 use crate::passes::deck::spans::{Leg, legs, overlap};
 use crate::passes::ground::Ground;
 use crate::passes::light::Light;
+use crate::passes::relight::{LitFlash, Request};
 use crate::passes::sky::table::TableParams;
 use crate::passes::sky::{Sky, Stars};
 use crate::world::snapshot::{DeckForm, Snapshot, ViewState};
+use std::sync::Arc;
 
 pub use relief::{GlowPlan, ReliefPlan};
 pub use shadow::{LayerShadow, ShadowPlan};
@@ -58,6 +61,13 @@ pub struct FramePlan {
     pub layers: Vec<LayerPlan>,
     /// Channels of lightning, their glow and their light in the air, while a flash gives light.
     pub strokes: Option<StrokePlan>,
+    /// Flashes whose light inside the clouds is found as a field; other flashes are points of the layers and the ground.
+    pub lit: Vec<LitFlash>,
+    /// What the coming frames' flashes may be lit by: made beforehand where pictures do not wait.
+    pub ahead: Vec<Arc<Request>>,
+    /// Whether the picture waits until everything that it needs has been made. Running free it does not: what is still
+    /// being made is stood in for, and the picture is provisional.
+    pub waits: bool,
     /// One line a pass: kept or left out, and why.
     pub notes: Vec<PassNote>,
 }
@@ -137,13 +147,19 @@ pub fn plan(snapshot: &Snapshot, view: &ViewState, output: Output) -> FramePlan 
     }
     let regions = regions::near(snapshot, &eye, &mut notes);
     let light = illuminance::Illuminance::new(snapshot, &eye, view, &regions);
-    let flashes = layers::flashes(snapshot, &eye, &mut notes);
+    let (mut lit, mut bare, mut ahead) = relight::split(snapshot, &eye, &mut notes);
+    let mut flashes = layers::flashes(&bare, &eye, &mut notes);
     let mut layers = layers::in_sight(snapshot, &eye, &light, &regions, &flashes, &mut notes);
     shade::cast(&light, &mut layers, &mut notes);
+    if layers.is_empty() && !lit.is_empty() {
+        // With no cloud in sight all of the light is that of points on the ground.
+        (lit, bare, ahead) = (Vec::new(), relight::points_of(snapshot), Vec::new());
+        flashes = layers::flashes(&bare, &eye, &mut notes);
+    }
     let deck_scale = deck_scale(snapshot.quality.deck_scale, eye.height_m as f32, &layers, &mut notes);
     let mut camera = light.camera(&eye, view);
     let shadow = shadow::cast(&camera, &light.between_clouds(), &layers, deck_scale, &mut notes);
-    let below = stroke::on_ground(snapshot, &eye, &flashes);
+    let below = stroke::on_ground(&bare, &eye, &flashes);
     let relief = relief::in_sight(snapshot, &eye, light.lamps(), &mut notes);
     let glow = relief::glow(&eye, light.lamps(), !layers.is_empty(), &mut notes);
     let ground = light.ground(&eye, shadow.as_ref(), &below, &mut notes);
@@ -174,6 +190,9 @@ pub fn plan(snapshot: &Snapshot, view: &ViewState, output: Output) -> FramePlan 
         deck_form,
         layers,
         strokes,
+        lit,
+        ahead,
+        waits: true,
         notes,
     }
 }

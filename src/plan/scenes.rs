@@ -5,6 +5,7 @@ use crate::geo::frames::enu;
 use crate::geo::terrain::Terrain;
 use crate::geo::{Attitude, Geodetic};
 use crate::lightning::flash::Light;
+use crate::passes::relight::Lighting;
 use crate::world::command::{Exposure, FlashKind, Polarity, RegionShape};
 use crate::world::snapshot::{
     DeckForm, FlashState, LayerState, OwnshipState, Quality, RegionState, SkyState, Snapshot, ViewState, WeatherState,
@@ -57,6 +58,7 @@ pub fn clear_day() -> Snapshot {
             ring_ratio: 4.0,
             deck_form: DeckForm::Auto,
             light_encoding: Default::default(),
+            relight: Lighting::Point,
         },
         terrain: Terrain::ELLIPSOID,
     };

@@ -5,6 +5,7 @@ mod project;
 
 use super::PassNote;
 use super::eye::Eye;
+use super::relight::Bare;
 use crate::geo::Geodetic;
 use crate::geo::frames::enu;
 use crate::lightning::strike::{Lit, Stretch, StrikeChannel};
@@ -126,11 +127,10 @@ pub fn strokes(snapshot: &Snapshot, eye: &Eye, camera: &Camera, notes: &mut Vec<
     })
 }
 
-/// The flashes as the ground is lit by them: each channel as several points along it, as far as there is room. `points`: each as
-/// one point, which is what remains of flashes that are many or have no channel yet.
-pub fn on_ground(snapshot: &Snapshot, eye: &Eye, points: &[Flash]) -> Vec<Flash> {
-    let giving: Vec<&FlashState> = snapshot.flashes.iter().filter(|flash| flash.intensity_cd > 0.0).collect();
-    let each = (FLASHES / giving.len().max(1)).min(SOURCES);
+/// The flashes without a field as the ground is lit by them: each channel as several points along it, as far as there is
+/// room. `points`: each as one point, which is what remains of flashes that are many or have no channel yet.
+pub fn on_ground(bare: &[Bare], eye: &Eye, points: &[Flash]) -> Vec<Flash> {
+    let each = (FLASHES / bare.len().max(1)).min(SOURCES);
     if each < 2 {
         return points.to_vec();
     }
@@ -139,13 +139,17 @@ pub fn on_ground(snapshot: &Snapshot, eye: &Eye, points: &[Flash]) -> Vec<Flash>
         intensity: (lumens / LUMENS) as f32 * std::f32::consts::FRAC_1_PI * 0.25,
     };
     let mut lights = Vec::new();
-    for flash in giving {
+    for Bare { flash, intensity_cd } in bare {
+        // Of the flash's light, what is not in a field.
+        let share = intensity_cd / flash.intensity_cd;
         match shining(flash, eye) {
             Some(shining) => {
                 let parts = shining.channel.sources(each, &shining.lit);
-                lights.extend(parts.iter().map(|part| light(shining.around(part.position_m).as_vec3(), part.weight)));
+                lights.extend(
+                    parts.iter().map(|part| light(shining.around(part.position_m).as_vec3(), part.weight * share)),
+                );
             }
-            None => lights.push(light(eye.place(&flash.position), flash.intensity_cd * LUMENS)),
+            None => lights.push(light(eye.place(&flash.position), intensity_cd * LUMENS)),
         }
     }
     lights

@@ -6,9 +6,11 @@
 
 use super::shell::{height_m, stretches};
 use crate::passes::common::Camera;
+use crate::passes::deck::FLASH_COLOUR;
 use crate::passes::deck::field::{light_at, margin, shown, source, view};
 use crate::passes::deck::twin::Prepared;
 use crate::passes::ground;
+use crate::passes::relight::twin::scattered;
 use crate::passes::sky::table::Texel;
 use crate::passes::sky::twin as sky;
 use crate::plan::FramePlan;
@@ -106,7 +108,7 @@ fn add(camera: &Camera, layers: &[Prepared], ray: &Ray, (p, t, ds): (DVec3, f64,
     let height = height_m(f64::from(camera.earth_m), p) as f32;
     let (p, earth_m) = (p.as_vec3(), camera.earth_m);
     let (mut extinction, mut emitted) = (0.0f64, DVec3::ZERO);
-    for Prepared { layer, textures, .. } in layers {
+    for Prepared { layer, textures, lit, .. } in layers {
         if !(0.0..=1.0).contains(&((height - layer.base_m) / layer.thickness_m)) {
             continue;
         }
@@ -117,6 +119,10 @@ fn add(camera: &Camera, layers: &[Prepared], ray: &Ray, (p, t, ds): (DVec3, f64,
             let shown = shown(layer, textures, earth_m, p, height);
             extinction += own;
             emitted += own * source(layer, light, &view(layer, ray.direction), p, shown).as_dvec3();
+            if let Some(lit) = lit {
+                let flashes = scattered(&lit.lits, &lit.fields, p, height, -ray.direction);
+                emitted += own * (FLASH_COLOUR * flashes).as_dvec3();
+            }
         }
     }
     if extinction > 0.0 {

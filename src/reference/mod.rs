@@ -16,6 +16,7 @@ use crate::passes::light::volume::Volume;
 use crate::passes::relief::Relief;
 use crate::passes::relief::field::Grids;
 use crate::passes::relief::window::{Tiles, Window, highest_m};
+use crate::passes::relight::{self, Lits, store::Store};
 use crate::passes::shadow::table::{self, Table};
 use crate::passes::shadow::twin::Caster;
 use crate::passes::shadow::{Columns, shade};
@@ -47,6 +48,9 @@ pub struct ReferenceExecutor {
     light_tiles: Tiles,
     lights: Option<(Window, Arc<Vec<u32>>)>,
     glow: Option<(GlowWindow, Arc<Vec<glow::Texel>>)>,
+    fields: Store,
+    /// Whether the last picture stands in for something still being made.
+    provisional: bool,
 }
 
 impl ReferenceExecutor {
@@ -68,6 +72,8 @@ impl ReferenceExecutor {
         work: impl FnOnce(&[Texel], &[Prepared], &[Caster], Option<&Grids>) -> T,
     ) -> T {
         let table = self.table(&plan.table);
+        let fields = relight::Prepared::new(&mut self.fields, &plan.lit, &plan.ahead, plan.waits);
+        self.provisional = fields.provisional;
         let lit = plan.glow.as_ref().map(|plan| (plan.glow, self.glow(&plan.window)));
         if plan.glow.is_none() {
             self.glow = None;
@@ -95,7 +101,7 @@ impl ReferenceExecutor {
             .layers
             .iter()
             .enumerate()
-            .map(|(i, layer)| Prepared::new(&layer.layer, layer.slices, textures(i)))
+            .map(|(i, layer)| Prepared::new(&layer.layer, layer.slices, textures(i)).lit_by(&fields))
             .collect();
         let shadows = plan.shadow.as_ref().map_or(&[][..], |shadow| &shadow.casters);
         let tables = self.shadows(plan, shadows);
@@ -216,7 +222,8 @@ pub fn picture(
     let deck = images::deck(plan, table, layers, ranges);
     let shadow = images::shadow(plan, casters, &deck, ranges);
     let strokes = images::strokes(plan, layers);
-    let behind = Scene { plan, table, grids, ranges, deck: &deck, shadow: &shadow, strokes: strokes.as_ref() };
+    let lits = layers.first().and_then(|layer| layer.lit).map(|lit| &lit.lits);
+    let behind = Scene { plan, table, grids, ranges, deck: &deck, shadow: &shadow, strokes: strokes.as_ref(), lits };
     match plan.output {
         Output::Srgb8 => {
             let mut bytes = vec![0u8; width * height * 4];
@@ -249,6 +256,7 @@ struct Scene<'a> {
     deck: &'a Image<Vec4>,
     shadow: &'a Image<f32>,
     strokes: Option<&'a Image<f32>>,
+    lits: Option<&'a Lits>,
 }
 
 impl Scene<'_> {
@@ -261,7 +269,7 @@ impl Scene<'_> {
 
     /// Luminance of one pixel without them, cd/m2 per colour.
     fn luminance(&self, x: usize, y: usize) -> Vec3 {
-        let Self { plan, table, grids, ranges, deck, shadow, .. } = *self;
+        let Self { plan, table, grids, ranges, deck, shadow, lits, .. } = *self;
         let at = [x as f32 + 0.5, y as f32 + 0.5];
         let [u, v] = [at[0] / plan.camera.width_px, at[1] / plan.camera.height_px];
         let gathered = deck.at(u, v);
@@ -276,7 +284,8 @@ impl Scene<'_> {
         let behind = match &plan.ground {
             Some(ground) if end_m.is_finite() => {
                 let terrain = plan.terrain();
-                let place = ground::twin::Place { ground, map: modulation::map(), grids: grids.copied(), terrain };
+                let place =
+                    ground::twin::Place { ground, map: modulation::map(), grids: grids.copied(), lits, terrain };
                 let seen = place.luminance(camera, direction, end_m, shadow.at(u, v));
                 if terrain {
                     // Air up to ground that may stand before the sky.
@@ -313,7 +322,8 @@ impl Executor for ReferenceExecutor {
 
     fn submit(&mut self, ticket: u64, plan: &FramePlan) -> Result<(), Fault> {
         let pixels = self.draw(plan);
-        self.finished.push_back(Finished { ticket, pixels, read_back: Duration::ZERO });
+        let provisional = self.provisional;
+        self.finished.push_back(Finished { ticket, pixels, provisional, read_back: Duration::ZERO });
         Ok(())
     }
 

@@ -101,4 +101,5 @@ fn every_hundredth_of_coverage_hides_no_less() {
     }
 }
 
+mod relight;
 pub(crate) mod strokes;

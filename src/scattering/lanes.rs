@@ -1,11 +1,13 @@
 //! Sixteen sources side by side: the vector type of the solver, and the choice of instruction set at run time.
 
+use bytemuck::{Pod, Zeroable};
+
 /// Sources solved together.
 pub const LANES: usize = 16;
 
 /// One number for each of [`LANES`] sources. Lanes never mix, and nothing is fused, so every instruction set gives the same bits.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(align(64))]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C, align(64))]
 pub struct Lanes(pub [f32; LANES]);
 
 impl Lanes {

@@ -1,5 +1,9 @@
 //! One pass of light through the grid for sixteen sources: from what cells scatter to the light in them.
 
+mod lone;
+
+pub use lone::Lone;
+
 use super::angles::{Angles, MOST_MOMENTS};
 use super::direct::{Direct, NO_TILT};
 use super::lanes::{Lanes, dispatch};

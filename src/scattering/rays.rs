@@ -83,8 +83,8 @@ pub fn depth(medium: &Medium, from_m: Direction, d: Direction, distance_m: f64) 
     let mut sum = 0.0;
     walk(medium, from_m, d, |cell, a, b| {
         sum += f64::from(medium.extinction_per_m[cell]) * (b.min(distance_m) - a).max(0.0);
-        // Beyond a depth of 700 nothing is left in f64.
-        b < distance_m && sum < 700.0
+        // Beyond a depth of 100 nothing is left in f32.
+        b < distance_m && sum < 100.0
     });
     sum
 }

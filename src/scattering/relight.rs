@@ -144,11 +144,13 @@ impl<'a> Relighter<'a> {
             Method::Solve => {
                 let merged = merged();
                 let direct = solver.direct_of_clusters(&borrowed(&clusters(&merged, self.cluster_m())));
-                let power = merged.iter().map(|p| p.intensity).sum();
-                self.solved(solver.scatter(&[direct], &[power]), solver, &points, &mut relit)?;
+                let towards = solver.scatter_one(&direct).map(|(towards, _)| towards);
+                self.solved(towards, solver, &points, &mut relit)?;
             }
             Method::Reference => {
-                self.solved(solver.solve(&[&points]), solver, &points, &mut relit)?;
+                let towards = solver.solve(&[&points]).map(|(mut lights, _)| lights.pop());
+                let towards = towards.map(|light| light.map(|light| light.towards).unwrap_or_default());
+                self.solved(towards, solver, &points, &mut relit)?;
             }
         }
         Ok(relit)
@@ -161,13 +163,13 @@ impl<'a> Relighter<'a> {
 
     fn solved(
         &self,
-        result: Result<(Vec<super::ordinates::Light>, super::ordinates::Info), SolveError>,
+        result: Result<Vec<f32>, SolveError>,
         solver: &Solver,
         points: &[PointSource],
         relit: &mut Relit,
     ) -> Result<(), RelightError> {
         match result {
-            Ok((mut lights, _)) => relit.towards = lights.pop().map(|l| l.towards).unwrap_or_default(),
+            Ok(towards) => relit.towards = towards,
             Err(why @ SolveError::NoConvergence { .. }) => {
                 relit.towards = single(solver, &merge(points, self.spacing_m), self.cluster_m());
                 relit.method = Method::Single;

@@ -65,6 +65,8 @@ struct Track {
     number: u64,
     last_plan: Option<Arc<FramePlan>>,
     last_pixels: Option<Arc<Pixels>>,
+    /// Something was still being made for them: the same plan is drawn again.
+    provisional: bool,
     pacer: Pacer,
     failing: Option<Failing>,
 }
@@ -172,7 +174,8 @@ impl RenderThread {
             let planned = catch_unwind(AssertUnwindSafe(|| plan(snapshot, view, Output::Srgb8)));
             self.metrics.stages.add_us(Stage::Plan, self.metrics.now_us().saturating_sub(begin_us));
             let plan = match planned {
-                Ok(plan) => Arc::new(plan),
+                // Only a step waits for what its pictures need: running free nothing may hold up a frame.
+                Ok(plan) => Arc::new(FramePlan { waits: guard.is_some(), ..plan }),
                 Err(panic) => {
                     let why = format!("planning panicked: {}", panic_text(panic.as_ref()));
                     self.note_fault(&why);
@@ -184,7 +187,7 @@ impl RenderThread {
                 }
             };
             let track = self.track(&view.name);
-            let repeats = track.last_plan.as_ref() == Some(&plan);
+            let repeats = !track.provisional && track.last_plan.as_ref() == Some(&plan);
             track.last_plan = Some(Arc::clone(&plan));
             lit(snapshot).for_each(|id| self.strikes.taken(id));
             let slot = Slot::new(view.name.clone(), plan, posted.clone(), guard.cloned(), repeats);
@@ -214,6 +217,7 @@ impl RenderThread {
             number: 0,
             last_plan: None,
             last_pixels: None,
+            provisional: false,
             pacer: Pacer::new(60.0),
             failing: None,
         })
@@ -271,6 +275,7 @@ impl RenderThread {
                         self.metrics.stages.add_us(Stage::Passes, drawing_us);
                         self.metrics.stages.add_us(Stage::ReadBack, read_back_us);
                         slot.pixels = Some(Arc::new(picture.pixels));
+                        slot.provisional = picture.provisional;
                     }
                 }
             }
@@ -310,7 +315,9 @@ impl RenderThread {
         track.last_pixels = Some(Arc::clone(&pixels));
         if !repeated {
             track.failing = None;
+            track.provisional = slot.provisional;
         }
+        let provisional = track.provisional;
         let number = track.number;
         let now_us = self.metrics.now_us();
         let stamps = LatencyStamps {
@@ -331,7 +338,7 @@ impl RenderThread {
             width: size_px[0],
             height: size_px[1],
             pixels,
-            provisional: snapshot.provisional(),
+            provisional: provisional || snapshot.provisional(),
             repeated,
             stamps,
         });

@@ -22,6 +22,8 @@ pub(super) struct Slot {
     /// It will never have pixels.
     pub(super) given_up: bool,
     pub(super) pixels: Option<Arc<Pixels>>,
+    /// They stand in for something still being made.
+    pub(super) provisional: bool,
     pub(super) attempts: u32,
     pub(super) submitted_us: u64,
     pub(super) finished_us: u64,
@@ -46,6 +48,7 @@ impl Slot {
             drawing: false,
             given_up: false,
             pixels: None,
+            provisional: false,
             attempts: 0,
             submitted_us: 0,
             finished_us: 0,

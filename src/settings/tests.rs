@@ -35,7 +35,7 @@ fn each_field_reaches_the_settings() {
     let other = serde_json::json!({
         "listen": "[::1]:9000", "token": "correct-horse", "allowed_origins": ["https://example.org:8443"],
         "allow_take_over": true, "max_clients": 3, "executor": "reference", "frame_rate_hz": 59.5, "shutter_s": 0.01, "slices": 7, "deck_scale": 3, "deck_form": "instanced",
-        "light_encoding": "harmonics", "flicker_guard_per_s": 3, "terrain": "procedural", "terrain_file": "N47E008.hgt", "terrain_sea_level_m": 48,
+        "light_encoding": "harmonics", "relight": "single", "flicker_guard_per_s": 3, "terrain": "procedural", "terrain_file": "N47E008.hgt", "terrain_sea_level_m": 48,
         "ring_ratio": 1.55, "jpeg_quality": 1, "scenario": null, "scenario_folder": "elsewhere", "queue_frames": 5,
         "queue_commands": 99, "step_memory_mib": 77, "slow_client_s": 2.5, "log": "stormdeck=debug",
         "cigi_listen": "127.0.0.1:8004", "cigi_host": null, "cigi_reply_port": null, "cigi_allow": [], "cigi_multicast": null,

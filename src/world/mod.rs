@@ -35,6 +35,7 @@ use crate::geo::terrain::Terrain;
 use crate::lightning::flash::LONGEST_FLASH_S;
 use crate::lightning::guard::FlickerGuard;
 use crate::passes::light::encoding::Encoding;
+use crate::passes::relight::Lighting;
 use command::ScenarioEdit;
 use growing::Growing;
 use player::Player;
@@ -50,6 +51,7 @@ pub const DEFAULT_QUALITY: Quality = Quality {
     deck_scale: 1,
     deck_form: DeckForm::Auto,
     light_encoding: Encoding::Shares8,
+    relight: Lighting::Point,
 };
 
 /// The world.
@@ -176,6 +178,7 @@ impl World {
         self.quality.deck_scale = quality.deck_scale.clamp(limits::DECK_SCALE[0], limits::DECK_SCALE[1]);
         self.quality.deck_form = quality.deck_form;
         self.quality.light_encoding = quality.light_encoding;
+        self.quality.relight = quality.relight;
         self.quality.slices = quality.slices.clamp(limits::SLICES[0], limits::SLICES[1]);
     }
 

@@ -6,6 +6,7 @@ use crate::geo::{Attitude, Geodetic};
 use crate::lightning::flash::Light;
 use crate::lightning::strike::StrikeChannel;
 use crate::passes::light::encoding::Encoding;
+use crate::passes::relight::Lighting;
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
 
@@ -191,6 +192,8 @@ pub struct Quality {
     pub ring_ratio: f64,
     /// How the light inside the deck is stored.
     pub light_encoding: Encoding,
+    /// How flashes light the clouds.
+    pub relight: Lighting,
 }
 
 /// How a GPU draws the deck: the same layers, with the same result to within rounding.

@@ -3,6 +3,7 @@
 use super::command::*;
 use super::*;
 use crate::clouds::CloudKind;
+use crate::passes::relight::Lighting;
 use std::sync::Arc;
 
 mod channels;
@@ -296,6 +297,7 @@ fn quality_is_brought_within_limits() {
         deck_scale: 9,
         deck_form: DeckForm::Marched,
         light_encoding: Encoding::Harmonics,
+        relight: Lighting::Single,
     };
     world.set_quality(beyond);
     let nearest = Quality { slices: limits::SLICES[1], ring_ratio: limits::RING_RATIO[0], deck_scale: 4, ..beyond };

@@ -127,7 +127,12 @@ impl Executor for Painter {
             match trouble {
                 Some(Trouble::DeviceLost) => return Err(Fault::DeviceLost("pulled by the test".into())),
                 Some(Trouble::Panic) => panic!("a panic that the test asked for"),
-                _ => finished.push(Finished { ticket, pixels: paint(&plan), read_back: Duration::ZERO }),
+                _ => finished.push(Finished {
+                    ticket,
+                    pixels: paint(&plan),
+                    provisional: false,
+                    read_back: Duration::ZERO,
+                }),
             }
         }
         Ok(finished)

@@ -1,7 +1,7 @@
 //! The density and light of a layer at a point; twin of the functions of the same names in `field.wgsl`.
 
 use super::glow::{CityGlow, SPACING_M, Texel, WIDTH, sample};
-use super::{DETAIL_FADE_M, FLASH_CAP_M, Layer, Region};
+use super::{DETAIL_FADE_M, FLASH_CAP_M, FLASH_COLOUR, Layer, Region};
 use crate::clouds::{density, detail, modulation};
 use crate::passes::common::{Chart, chart_weights, displacement, smoothstep, stereographic};
 use crate::passes::light::encoding::{Encoding, View, decode};
@@ -124,7 +124,7 @@ pub fn source(layer: &Layer, stored: Vec4, view: &View, p: Vec3, shown: f32) -> 
     for flash in &layer.flash[..layer.flashes as usize] {
         // Eq. 21, the distance capped.
         let d2 = (p - Vec3::from(flash.position_m)).length_squared().max(FLASH_CAP_M * FLASH_CAP_M);
-        light += Vec3::new(0.80, 0.90, 1.25) * (flash.intensity / d2);
+        light += FLASH_COLOUR * (flash.intensity / d2);
     }
     light
 }

@@ -367,6 +367,7 @@ fn source(stored: vec4<f32>, view: View, p: vec3<f32>, height: f32) -> vec3<f32>
             let d2 = max(dot(away, away), FLASH_CAP_M * FLASH_CAP_M);
             light += FLASH_COLOUR * (layer.flash[i].intensity / d2);
         }
+        light += FLASH_COLOUR * lit_scattered(p, height, -view.direction);
     }
     return light;
 }

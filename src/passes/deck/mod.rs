@@ -15,6 +15,7 @@ pub mod twin;
 use crate::passes::common::{CHARTS, Chart};
 use crate::passes::light::encoding::Encoding;
 use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
 
 /// Regions that may shape a layer at once.
 pub const REGIONS: usize = 16;
@@ -182,5 +183,7 @@ pub const RING_SLICES: f32 = 6.0;
 
 /// Distance below which a flash's light no longer rises (eq. 21 is singular there), m.
 pub const FLASH_CAP_M: f32 = 200.0;
+/// Colour of a flash's light: the blue of a channel of 24,000 K or so.
+pub const FLASH_COLOUR: Vec3 = Vec3::new(0.80, 0.90, 1.25);
 /// The fine detail fades between these ranges, m.
 pub const DETAIL_FADE_M: [f32; 2] = [2_500.0, 9_000.0];

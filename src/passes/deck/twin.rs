@@ -2,10 +2,11 @@
 
 use super::field::{Textures, city_glow, light_at, margin, shown, source, view};
 use super::spans::{Heights, Leg};
-use super::{Layer, RING_SHARE, RING_SLICES};
+use super::{FLASH_COLOUR, Layer, RING_SHARE, RING_SLICES};
 use crate::clouds::slices::shells;
 use crate::passes::common::Camera;
 use crate::passes::light::encoding::decode;
+use crate::passes::relight::{self, twin::scattered};
 use glam::Vec3;
 
 /// Transmittance at which a pixel counts as opaque: what is behind adds less than this share.
@@ -28,13 +29,21 @@ pub struct Prepared<'a> {
     pub slices: Vec<f32>,
     /// What its look-ups read.
     pub textures: Textures<'a>,
+    /// Fields of flashes' light in the clouds, if any.
+    pub lit: Option<&'a relight::Prepared>,
 }
 
 impl<'a> Prepared<'a> {
     /// A layer with `slices` slices.
     pub fn new(layer: &'a Layer, slices: u32, textures: Textures<'a>) -> Self {
         let slices = shells(slices, layer.thickness_m).into_iter().map(|h| layer.base_m + h).collect();
-        Self { layer, slices, textures }
+        Self { layer, slices, textures, lit: None }
+    }
+
+    /// The same, lit by flashes' fields.
+    #[must_use]
+    pub fn lit_by(self, lit: &'a relight::Prepared) -> Self {
+        Self { lit: Some(lit).filter(|lit| lit.lits.fields > 0), ..self }
     }
 }
 
@@ -208,6 +217,9 @@ impl Ray<'_> {
         if prepared.textures.glow.is_some() {
             let below = city_glow(layer, &prepared.textures, self.camera.earth_m, p, height);
             lit += below * decode(layer.encoding(), light, &view).ground;
+        }
+        if let Some(fields) = prepared.lit {
+            lit += FLASH_COLOUR * scattered(&fields.lits, &fields.fields, p, height, -self.direction);
         }
         let seen = lit * passed + self.air * (1.0 - passed);
         gathered.luminance += seen * (alpha * gathered.transmittance);

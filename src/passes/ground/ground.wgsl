@@ -259,6 +259,9 @@ fn ground_luminance(direction: vec3<f32>, t: f32, passed: f32) -> vec3<f32> {
             lit += FLASH_COLOUR * (12.56637 * ground.flash[i].intensity * cosine / d2);
         }
     }
+    if FLASHES {
+        lit += FLASH_COLOUR * lit_on_ground(p, normal);
+    }
     var seen = lit * made.albedo * 0.31830987;
     // The sea mirrors the sky (Schlick), and the light by waves whose slopes are spread evenly (Cox and Munk 1954).
     let facing = clamp(-dot(direction, up), 0.0, 1.0);

@@ -3,8 +3,9 @@
 use super::Ground;
 use crate::clouds::modulation;
 use crate::passes::common::{CHARTS, Camera, chart_weights, smoothstep, stereographic};
-use crate::passes::deck::FLASH_CAP_M;
+use crate::passes::deck::{FLASH_CAP_M, FLASH_COLOUR};
 use crate::passes::relief::field::{Grids, level, place};
+use crate::passes::relight::{Lits, twin::on_ground};
 use crate::passes::sampling::map_repeat;
 use glam::{IVec2, UVec2, Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, PI};
@@ -36,6 +37,8 @@ pub struct Place<'a> {
     pub map: &'a [u8],
     /// Heights and distances from the shore; `None`: there is only sea, or only land.
     pub grids: Option<Grids<'a>>,
+    /// Fields of flashes' light, if any.
+    pub lits: Option<&'a Lits>,
     /// Whether the ground is anywhere else than on the sphere.
     pub terrain: bool,
 }
@@ -109,7 +112,10 @@ impl Place<'_> {
             let towards = Vec3::from(flash.position_m) - p;
             let d2 = towards.length_squared().max(FLASH_CAP_M * FLASH_CAP_M);
             let cos = (normal.dot(towards) / d2.sqrt()).max(0.0);
-            lit += Vec3::new(0.80, 0.90, 1.25) * (12.566_37 * flash.intensity * cos / d2);
+            lit += FLASH_COLOUR * (12.566_37 * flash.intensity * cos / d2);
+        }
+        if let Some(lits) = self.lits {
+            lit += FLASH_COLOUR * on_ground(lits, p, normal);
         }
         let mut seen = lit * albedo * FRAC_1_PI;
         // The sea mirrors the sky (Schlick), and the light by waves whose slopes are spread evenly (Cox and Munk 1954).

@@ -5,6 +5,7 @@
 
 use super::super::eye::Eye;
 use super::column::Level;
+use crate::passes::relight::Lighting;
 use crate::world::command::Exposure;
 use crate::world::snapshot::{FlashState, Snapshot};
 use glam::Vec3;
@@ -16,6 +17,9 @@ const FLASH_METERED: f32 = 0.3;
 /// the eye as illuminance does, and a storm far away would have no shape.
 const CLOUD_METERED: f32 = 0.045;
 const LIT_CLOUD_M: f32 = 3_000.0;
+/// The same where light is scattered many times in the cloud, which keeps it near the channel and sends all of it out: by
+/// eye, in pictures of overcast from 4 and 10 km.
+const SCATTERED_METERED: f32 = 0.5;
 /// Beyond this distance storms count less and less, m: they fill less and less of the picture.
 const STORMS_COUNT_M: f32 = 60_000.0;
 
@@ -33,11 +37,15 @@ pub fn ev100(asked: Exposure, at_eye: &Level, mu: f32, snapshot: &Snapshot, eye:
 /// What the exposure answers to of the flashes of the shutter interval, lux: at the eye, clouds in between not counted, and on
 /// clouds beside them.
 fn flash_lux(snapshot: &Snapshot, eye: &Eye) -> f32 {
+    let metered = match snapshot.quality.relight {
+        Lighting::Point | Lighting::Single => CLOUD_METERED,
+        Lighting::Solve | Lighting::Reference => SCATTERED_METERED,
+    };
     let at = |f: &FlashState| {
         let away_m = (eye.place(&f.position) - Vec3::new(0.0, 0.0, eye.height_m as f32)).length();
         let at_eye = FLASH_METERED / (away_m * away_m).max(1e6);
         let far = away_m / STORMS_COUNT_M;
-        let on_cloud = CLOUD_METERED / (LIT_CLOUD_M * LIT_CLOUD_M) / (1.0 + far * far);
+        let on_cloud = metered / (LIT_CLOUD_M * LIT_CLOUD_M) / (1.0 + far * far);
         f.intensity_cd as f32 * (at_eye + on_cloud)
     };
     snapshot.flashes.iter().map(at).sum()

@@ -65,7 +65,7 @@ fn white_furnace() {
                     |x, out| operator.apply(x, None, &mut work, out),
                     &b,
                     &mut x,
-                    Method::BiCgStab,
+                    (Method::BiCgStab, krylov::Holding::Sources),
                     1e-6,
                     500,
                 );

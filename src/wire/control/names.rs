@@ -2,6 +2,7 @@
 
 use crate::clouds::CloudKind;
 use crate::passes::light::encoding::Encoding;
+use crate::passes::relight::Lighting;
 use crate::world::command::{FlashKind, Polarity};
 use crate::world::snapshot::DeckForm;
 use schemars::JsonSchema;
@@ -100,5 +101,19 @@ mirrored! {
         Harmonics,
         /// Mean and flux vector in 8 bits, as in the deck paper.
         Paper,
+    }
+}
+
+mirrored! {
+    /// How flashes light the clouds, roughly from cheap to dear.
+    RelightName = Lighting {
+        /// Bare points: intensity over distance squared, nothing in between.
+        Point,
+        /// Direct light scattered once.
+        Single,
+        /// One solve for each channel; nothing is baked.
+        Solve,
+        /// One solve with every point of the channel for itself.
+        Reference,
     }
 }

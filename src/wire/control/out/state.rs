@@ -2,7 +2,7 @@
 
 mod convert;
 
-use super::super::names::{CloudType, DeckFormName, FlashType, LightEncodingName, PolarityName};
+use super::super::names::{CloudType, DeckFormName, FlashType, LightEncodingName, PolarityName, RelightName};
 use super::super::view::ExposureJson;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -45,6 +45,8 @@ pub struct StateMessage {
     pub deck_form: DeckFormName,
     /// How the light inside the deck is stored.
     pub light_encoding: LightEncodingName,
+    /// How flashes light the clouds.
+    pub relight: RelightName,
     /// Ratio between the radii of neighbouring billboard rings.
     pub ring_ratio: f64,
     /// The scenario player.

@@ -3,6 +3,7 @@
 
 use super::*;
 use crate::geo::{Attitude, Geodetic};
+use crate::passes::relight::Lighting;
 use crate::wire::control::{decode_outbound, encode};
 use crate::world::World;
 use crate::world::command::{Command, Exposure, FlashKind, LayerSpec, Polarity, RegionShape, WeatherEdit};
@@ -127,6 +128,7 @@ fn every_part_of_a_snapshot_is_in_the_state_message() {
         ("deck scale", |s| s.quality.deck_scale += 1),
         ("deck form", |s| s.quality.deck_form = DeckForm::Instanced),
         ("light encoding", |s| s.quality.light_encoding = crate::passes::light::encoding::Encoding::Paper),
+        ("relighting", |s| s.quality.relight = Lighting::Single),
         ("ring ratio", |s| s.quality.ring_ratio += 0.1),
     ];
     let plain = message(&example());

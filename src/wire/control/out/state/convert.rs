@@ -31,6 +31,7 @@ impl StateMessage {
             deck_scale: snapshot.quality.deck_scale,
             deck_form: snapshot.quality.deck_form.into(),
             light_encoding: snapshot.quality.light_encoding.into(),
+            relight: snapshot.quality.relight.into(),
             ring_ratio: snapshot.quality.ring_ratio,
             player,
         }

@@ -1,0 +1,146 @@
+//! Fields that are there or on their way: each request is solved once, whichever views and strokes ask for it.
+//!
+//! Where a picture must not depend on anything but its snapshot (lockstep, `render`) the asker waits. Running free a field
+//! is solved on a thread of its own and nobody waits: until it is there its points stand in, and the picture is provisional.
+
+use super::solve::field;
+use super::{Field, Request};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::collections::VecDeque;
+use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
+use std::sync::{Arc, LazyLock};
+
+/// Fields kept at once: 256 KiB each.
+const KEPT: usize = 32;
+/// Fields solved at once in the background; further ones wait for their turn.
+const AT_ONCE: usize = 2;
+/// Pictures without a field after which all are forgotten.
+const PATIENCE: u32 = 600;
+
+/// What came of a request.
+#[derive(Clone, Debug)]
+pub enum Found {
+    /// The field; `None` where there is no cloud to light.
+    Ready(Option<Arc<Field>>),
+    /// Still being solved.
+    Pending,
+}
+
+/// A quarter of the cores and at least one: the threads that pictures are drawn with stay with the pictures. None where the
+/// system gives no threads.
+fn beside() -> Option<&'static ThreadPool> {
+    static POOL: LazyLock<Option<ThreadPool>> = LazyLock::new(|| {
+        let threads = (rayon::current_num_threads() / 4).max(1);
+        ThreadPoolBuilder::new().num_threads(threads).thread_name(|i| format!("relight-{i}")).build().ok()
+    });
+    POOL.as_ref()
+}
+
+/// Keeps fields, and solves those that are asked for.
+#[derive(Default)]
+pub struct Store {
+    kept: VecDeque<(Arc<Request>, Option<Arc<Field>>)>,
+    pending: Vec<(Arc<Request>, Receiver<Option<Field>>)>,
+    idle: u32,
+    solved: usize,
+}
+
+impl Store {
+    /// The fields of a picture, in order. `wait`: until all of them are there.
+    pub fn fields(&mut self, requests: &[Arc<Request>], wait: bool) -> Vec<Found> {
+        self.gather();
+        if requests.is_empty() {
+            self.idle = self.idle.saturating_add(1);
+            if self.idle > PATIENCE {
+                self.kept = VecDeque::new();
+            }
+            return Vec::new();
+        }
+        self.idle = 0;
+        requests.iter().map(|request| self.field(request, wait)).collect()
+    }
+
+    /// Fields that are kept now.
+    pub fn len(&self) -> usize {
+        self.kept.len()
+    }
+
+    /// Whether nothing is kept.
+    pub fn is_empty(&self) -> bool {
+        self.kept.is_empty()
+    }
+
+    /// Begins a field that will be asked for, unless there is it already or as much as can be done at once is being done.
+    pub fn prepare(&mut self, request: &Arc<Request>) {
+        let known = self.kept.iter().map(|(known, _)| known).chain(self.pending.iter().map(|(known, _)| known));
+        if self.pending.len() < AT_ONCE && !known.into_iter().any(|known| known == request) {
+            self.begin(request.clone());
+        }
+    }
+
+    /// How many fields have been solved or begun since the store was made.
+    pub fn solved(&self) -> usize {
+        self.solved
+    }
+
+    fn field(&mut self, request: &Arc<Request>, wait: bool) -> Found {
+        if let Some(at) = self.kept.iter().position(|(known, _)| known == request)
+            && let Some(entry) = self.kept.remove(at)
+        {
+            let found = entry.1.clone();
+            self.kept.push_front(entry);
+            return Found::Ready(found);
+        }
+        let under_way = self.pending.iter().position(|(known, _)| known == request);
+        if wait {
+            let solved = match under_way.map(|at| self.pending.swap_remove(at)) {
+                // A thread that is gone has left nothing: once more, here.
+                Some((_, result)) => result.recv().unwrap_or_else(|_| field(request)),
+                None => {
+                    self.solved += 1;
+                    field(request)
+                }
+            };
+            return Found::Ready(self.keep(request.clone(), solved));
+        }
+        if under_way.is_none() && self.pending.len() < AT_ONCE {
+            self.begin(request.clone());
+        }
+        Found::Pending
+    }
+
+    /// Solves in the background.
+    fn begin(&mut self, request: Arc<Request>) {
+        let (send, result) = sync_channel(1);
+        let given = request.clone();
+        let thread = std::thread::Builder::new().name("relight".into());
+        let solve = move || match beside() {
+            Some(pool) => pool.install(|| field(&given)),
+            None => field(&given),
+        };
+        // Nobody may be left to take it.
+        if thread.spawn(move || drop(send.send(solve()))).is_ok() {
+            self.pending.push((request, result));
+            self.solved += 1;
+        }
+    }
+
+    /// Takes what the background has finished.
+    fn gather(&mut self) {
+        for (request, result) in std::mem::take(&mut self.pending) {
+            match result.try_recv() {
+                Ok(solved) => drop(self.keep(request, solved)),
+                Err(TryRecvError::Empty) => self.pending.push((request, result)),
+                // It panicked: no field, and it is not tried again.
+                Err(TryRecvError::Disconnected) => drop(self.keep(request, None)),
+            }
+        }
+    }
+
+    fn keep(&mut self, request: Arc<Request>, solved: Option<Field>) -> Option<Arc<Field>> {
+        let kept = solved.map(Arc::new);
+        self.kept.push_front((request, kept.clone()));
+        self.kept.truncate(KEPT);
+        kept
+    }
+}

@@ -1,0 +1,87 @@
+//! Which flashes have fields: none without flash, cloud or channel; one for each geometry, whatever frame and eye; faded where many.
+
+use super::*;
+use crate::geo::frames::enu;
+use crate::lightning::flash::Polarity;
+use crate::lightning::strike::{StrikeSpec, grow_strike};
+use crate::lightning::tables::Tables;
+use crate::plan::scenes::{cumulus_at, flash, place};
+use crate::plan::{FramePlan, Output, plan};
+use std::sync::atomic::AtomicBool;
+
+fn plan_of(snapshot: &Snapshot) -> FramePlan {
+    plan(snapshot, &snapshot.views[0], Output::Srgb8)
+}
+
+/// A flash inside the cloud with its channel.
+fn struck(position: Geodetic) -> FlashState {
+    let spec = StrikeSpec {
+        kind: flash(position).kind,
+        polarity: Polarity::Negative,
+        seed: 7,
+        origin_m: position.altitude_m,
+        cloud_m: [1_000.0, 2_000.0],
+        grounds_m: Vec::new(),
+    };
+    let channel = grow_strike(&spec, &mut Tables::default(), &AtomicBool::new(false)).expect("a right specification");
+    FlashState { channel: Some(Arc::new(channel)), ..flash(position) }
+}
+
+#[test]
+fn a_flash_in_a_cloud_asks_for_one_field_whatever_the_frame_and_the_eye() {
+    let mut snapshot = cumulus_at(place(47.0, 8.0, 500.0));
+    snapshot.quality.relight = Lighting::Solve;
+    snapshot.weather.layers[0].wind_speed_mps = 30.0;
+    assert!(plan_of(&snapshot).lit.is_empty(), "no flash, no field");
+    snapshot.flashes.push(struck(place(47.05, 8.02, 1_500.0)));
+    let first = plan_of(&snapshot);
+    assert!(first.lit.len() == 1 && first.layers[0].layer.flashes == 0, "a field in place of a point");
+    // Half a second on the wind has carried the pattern 15 m, the eye has flown, and a stroke is brighter.
+    let mut later = snapshot.clone();
+    let axis = enu(&snapshot.ownship.position);
+    let velocity = axis.x_axis * 30.0;
+    later.weather.layers[0].drift =
+        DQuat::from_scaled_axis(axis.z_axis.cross(velocity) / (MEAN_RADIUS_M + 1_000.0) * 0.5);
+    later.simulation_time_s += 0.5;
+    later.ownship.position = place(47.01, 8.01, 700.0);
+    later.flashes[0].intensity_cd = 5e9;
+    let second = plan_of(&later);
+    assert_eq!(first.lit[0].request, second.lit[0].request);
+    // The scene's light names no part: the whole tree shines, and the channel alone may come next.
+    assert!(first.ahead.len() == 1 && first.ahead[0] != first.lit[0].request);
+    assert!(second.lit[0].placing.intensity_cd > 4.0 * first.lit[0].placing.intensity_cd);
+    // The branches of a first stroke shine once, the channel again and again: two geometries.
+    let light = |branches, amount| Light { channel: 0, branches, span: [0.0, 1.0], amount };
+    later.flashes[0].lights = vec![light(true, 3.0), light(false, 1.0), light(false, 2.0)];
+    let both = plan_of(&later);
+    let parts = both.lit;
+    assert!(both.ahead.is_empty(), "what shines already needs no making ahead");
+    assert!(parts.len() == 2 && parts[0].request != parts[1].request);
+    assert!((parts[0].placing.intensity_cd / 2.5e9 - 1.0).abs() < 1e-5, "half of the light is the branches'");
+    later.flashes[0].channel = None;
+    assert!(plan_of(&later).lit.is_empty(), "while the channel is being grown there is a point");
+    snapshot.quality.relight = Lighting::Point;
+    let bare = plan_of(&snapshot);
+    assert!(bare.lit.is_empty() && bare.layers[0].layer.flashes == 1);
+    snapshot.quality.relight = Lighting::Solve;
+    snapshot.weather.layers.clear();
+    assert!(plan_of(&snapshot).lit.is_empty(), "no cloud, no field");
+}
+
+#[test]
+fn more_flashes_than_fields_are_faded_not_cut() {
+    let mut snapshot = cumulus_at(place(47.0, 8.0, 500.0));
+    snapshot.quality.relight = Lighting::Solve;
+    let (count, one) = (FIELDS + 2, struck(place(47.05, 8.02, 1_500.0)));
+    snapshot.flashes =
+        (0..count).map(|i| FlashState { id: i as u64, intensity_cd: 1e9 * (i + 1) as f64, ..one.clone() }).collect();
+    let plan = plan_of(&snapshot);
+    assert_eq!(plan.lit.len(), FIELDS);
+    // The brightest is 10, the first without a field 2: a fifth of its light is that of a point.
+    assert!((plan.lit[0].placing.intensity_cd / 8e9 - 1.0).abs() < 1e-5);
+    let points: f32 =
+        plan.layers[0].layer.flash[..plan.layers[0].layer.flashes as usize].iter().map(|f| f.intensity).sum();
+    let fields: f32 = plan.lit.iter().map(|f| f.placing.intensity_cd).sum();
+    // Together they give all the light.
+    assert!((points * 12.566_37 + fields) / 55e9 - 1.0 < 1e-4);
+}
