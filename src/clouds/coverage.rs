@@ -15,8 +15,7 @@ const STEPS: usize = 64;
 /// Offsets of theta by coverage, for one genus.
 #[derive(Debug)]
 pub struct Coverage {
-    offsets: [f32; STEPS + 1],
-    patchiness: f32,
+    entries: [Threshold; STEPS + 1],
 }
 
 /// How theta is made from the map for one coverage.
@@ -43,10 +42,16 @@ impl Coverage {
     pub fn threshold(&self, coverage: f32) -> Threshold {
         let at = coverage.clamp(0.0, 1.0) * STEPS as f32;
         let i = (at as usize).min(STEPS - 1);
-        let offset = self.offsets[i] + (self.offsets[i + 1] - self.offsets[i]) * (at - i as f32);
-        // Cloud sits where the map is low: of the map's range the lowest `coverage` share, roughly.
-        let typical = offset + self.patchiness * 0.5 * coverage.clamp(0.15, 1.0);
-        Threshold { patchiness: self.patchiness, offset, typical }
+        let share = at - i as f32;
+        let between = |of: fn(&Threshold) -> f32| {
+            let [low, high] = [&self.entries[i], &self.entries[i + 1]].map(of);
+            low + (high - low) * share
+        };
+        Threshold {
+            patchiness: between(|t| t.patchiness),
+            offset: between(|t| t.offset),
+            typical: between(|t| t.typical),
+        }
     }
 
     fn build(kind: CloudKind) -> Self {
@@ -54,24 +59,39 @@ impl Coverage {
         let full = look.extinction_per_m * look.usual_thickness_m;
         // Seen as cloud: an optical depth of 1, or a third of what the thin genera can reach.
         let seen = histogram(&column_thetas(kind, 1.0f32.min(full / 3.0)));
-        // Overcast hides the ground: 5 lets 0.7 % of direct light through; thin genera cannot, and get 60 % of their most.
-        let hiding = histogram(&column_thetas(kind, 5.0f32.min(full * 0.6)));
-        let patchiness = look.patchiness;
-        let mut offsets = [0.0; STEPS + 1];
-        for (i, offset) in offsets.iter_mut().enumerate() {
+        // Overcast hides the ground: 5 lets 0.7 % of direct light through; thin genera cannot, and get 45 % of their most.
+        let hiding = histogram(&column_thetas(kind, 5.0f32.min(full * 0.45)));
+        let entries = std::array::from_fn(|i| {
             let share = i as f32 / STEPS as f32;
-            *offset = invert(&seen, patchiness, share);
-            // From seven eighths on, what counts goes over from "seen" to "hides the ground".
-            let blend = ((share - 0.875) / 0.125).max(0.0);
-            let hidden = invert(&hiding, patchiness, share.min(0.999));
-            *offset += blend * (hidden.min(*offset) - *offset);
-        }
-        Self { offsets, patchiness }
+            // In the last sixteenth, what counts goes over from "seen" to "hides the ground".
+            let blend = ((share - 0.9375) / 0.0625).max(0.0);
+            let offset = |patchiness: f32| {
+                let seen = invert(&seen, patchiness, share);
+                let hidden = if blend > 0.0 { invert(&hiding, patchiness, share.min(0.999_9)) } else { seen };
+                seen + blend * (hidden.min(seen) - seen)
+            };
+            // As much of the map as leaves theta over 0 everywhere: below it, a layer is cloud from its very base to its very
+            // top, a box with hard edges.
+            let (mut low, mut high) = (LEAST_PATCHINESS, look.patchiness);
+            if offset(high) < 0.0 {
+                for _ in 0..8 {
+                    let middle = 0.5 * (low + high);
+                    if offset(middle) < 0.0 { high = middle } else { low = middle }
+                }
+                high = low;
+            }
+            let (patchiness, offset) = (high, offset(high));
+            Threshold { patchiness, offset, typical: typical(&seen, patchiness, offset) }
+        });
+        Self { entries }
     }
 }
 
+/// What is left of the map at least.
+const LEAST_PATCHINESS: f32 = 0.04;
+
 /// Greatest theta at which each column still has the vertical optical depth `depth` at usual thickness.
-fn column_thetas(kind: CloudKind, depth: f32) -> Vec<f32> {
+pub(super) fn column_thetas(kind: CloudKind, depth: f32) -> Vec<f32> {
     let volume = DensityVolume::of(kind);
     let look = kind.appearance();
     let per_voxel = look.extinction_per_m * look.usual_thickness_m / HEIGHT as f32;
@@ -108,7 +128,7 @@ fn invert(bins: &[(f32, f32)], patchiness: f32, share: f32) -> f32 {
         // A column is covered for map values below (theta - offset) / patchiness; the map is uniform.
         bins.iter().map(|(theta, n)| n * ((theta - offset) / patchiness).clamp(0.0, 1.0)).sum::<f32>()
     };
-    let (mut low, mut high) = (-1.5f32, 1.2f32);
+    let (mut low, mut high) = (-2.5f32, 1.2f32);
     for _ in 0..20 {
         let offset = 0.5 * (low + high);
         if cover(offset) >= share { low = offset } else { high = offset }
@@ -116,14 +136,28 @@ fn invert(bins: &[(f32, f32)], patchiness: f32, share: f32) -> f32 {
     low
 }
 
+/// Mean theta of the places that are covered, the same (column, map value) pairs as in [`invert`].
+fn typical(bins: &[(f32, f32)], patchiness: f32, offset: f32) -> f32 {
+    let (mut sum, mut cover) = (0.0, 0.0);
+    for (theta, n) in bins {
+        let below = ((theta - offset) / patchiness).clamp(0.0, 1.0);
+        sum += n * below * (offset + 0.5 * patchiness * below);
+        cover += n * below;
+    }
+    // Nothing is covered: the cloudiest place there is.
+    if cover > 0.0 { sum / cover } else { offset }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn offsets_fall_with_coverage() {
-        let coverage = Coverage::of(CloudKind::Cumulus);
-        assert!(coverage.offsets.windows(2).all(|w| w[1] <= w[0] + 1e-6), "{:?}", coverage.offsets);
+    fn theta_falls_with_coverage() {
+        let entries = &Coverage::of(CloudKind::Cumulus).entries;
+        // In the mean; where the map is least it rises a little towards an overcast, which has less of the map.
+        let mean = |t: &Threshold| t.offset + 0.5 * t.patchiness;
+        assert!(entries.windows(2).all(|w| mean(&w[1]) < mean(&w[0])), "{entries:?}");
     }
 
     #[test]

@@ -19,6 +19,9 @@ pub const HEIGHT: usize = 32;
 /// Period of the tile east and north.
 pub const TILE_M: f32 = 16_000.0;
 
+/// How much lower theta may be in an anvil for the same width: what makes it wider than what it stands on.
+const ANVIL_SPREAD: f32 = 0.16;
+
 /// Shape values of one genus, `WIDTH * WIDTH * HEIGHT` bytes, x fastest, z slowest.
 pub struct DensityVolume {
     /// Shape value times 255.
@@ -41,9 +44,12 @@ impl DensityVolume {
         let thickness = look.usual_thickness_m / TILE_M;
         // Elements are as tall as they are wide where the layer is thick enough, but at least one fits in it.
         let nz = ((nx.max(ny) as f32 * thickness).round() as u32).max(1);
+        // Elements across the tile of the finer octaves, none smaller than three voxels, which the volume could not hold.
+        let finer = |factor: u32| [nx, ny].map(|n| (factor * n + 1).min(WIDTH as u32 / 3).max(n));
+        let ([mx, my], [fx, fy]) = (finer(2), finer(4));
         let coarse = Cellular::new([nx, ny, nz + 1], seed);
-        let middle = Cellular::new([2 * nx + 1, 2 * ny + 1, 2 * nz + 1], seed + 1);
-        let fine = Cellular::new([4 * nx + 1, 4 * ny + 1, 4 * nz + 1], seed + 2);
+        let middle = Cellular::new([mx, my, 2 * nz + 1], seed + 1);
+        let fine = Cellular::new([fx, fy, 4 * nz + 1], seed + 2);
         let mut shape = vec![0u8; WIDTH * WIDTH * HEIGHT];
         shape.par_chunks_mut(WIDTH).enumerate().for_each(|(row, out)| {
             let (y, z) = (row % WIDTH, row / WIDTH);
@@ -56,15 +62,19 @@ impl DensityVolume {
                     fractal(at.extend(0.0) * nx as f32, [nx, nx, 1], 2, seed + 7),
                     fractal(at.extend(0.5) * nx as f32, [nx, nx, 1], 2, seed + 8),
                 ) * bend;
+                // An anvil spreads from what stands below it, smooth and wider than that.
+                let aloft = look.anvil * smoothstep(0.66, 0.82, height);
                 let p = (at + warp).extend(height);
-                let billow = |cells: &Cellular, n: Vec3| 1.0 - cells.nearest(p * n).min(1.0);
+                let stem = (at + warp).extend(height.min(height + (0.7 - height) * aloft));
+                let billow = |cells: &Cellular, n: Vec3| 1.0 - cells.nearest(stem * n).min(1.0);
                 let n1 = Vec3::new(nx as f32, ny as f32, nz as f32 * 0.999);
-                let n2 = Vec3::new((2 * nx + 1) as f32, (2 * ny + 1) as f32, 2.0 * nz as f32);
-                let n4 = Vec3::new((4 * nx + 1) as f32, (4 * ny + 1) as f32, 4.0 * nz as f32);
+                let n2 = Vec3::new(mx as f32, my as f32, 2.0 * nz as f32);
+                let n4 = Vec3::new(fx as f32, fy as f32, 4.0 * nz as f32);
                 let heaps = 0.60 * billow(&coarse, n1) + 0.27 * billow(&middle, n2) + 0.13 * billow(&fine, n4);
                 let sheet = 0.5 + 0.9 * fractal(p * n1, [nx, ny, nz + 1], 4, seed + 3);
-                let eroding = fractal(p * n4, [4 * nx + 1, 4 * ny + 1, 4 * nz + 1], 3, seed + 4);
-                let body = sheet + look.heaped * (1.25 * heaps - sheet) + look.erosion * eroding;
+                let eroding = fractal(p * n4, [fx, fy, 4 * nz + 1], 3, seed + 4);
+                let body = sheet + look.heaped * (1.25 * heaps - sheet) + look.erosion * (1.0 - 0.6 * aloft) * eroding;
+                let body = body + ANVIL_SPREAD * aloft;
                 let value = body - penalty(&look, height);
                 *voxel = (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
             }
@@ -78,6 +88,12 @@ fn penalty(look: &super::kind::Appearance, height: f32) -> f32 {
     let below = (1.0 - height / look.base_softness).max(0.0);
     let above = (1.0 - (1.0 - height) / look.top_softness).max(0.0);
     look.taper * height.powf(1.3) + 0.9 * below * below + 0.8 * above * above
+}
+
+/// Hermite step from 0 at `low` to 1 at `high`.
+fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
+    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
 }
 
 #[cfg(test)]

@@ -45,6 +45,8 @@ pub struct Appearance {
     pub taper: f32,
     /// Height share over which the top closes.
     pub top_softness: f32,
+    /// How far the upper quarter spreads out in the shape of an anvil, 0 to 1.
+    pub anvil: f32,
     /// Shape value from edge to fully there.
     pub edge: f32,
     /// Share of the large 2D map in theta.
@@ -78,22 +80,30 @@ impl CloudKind {
             base_softness: 0.10,
             taper: 0.25,
             top_softness: 0.25,
+            anvil: 0.0,
             edge: 0.16,
             patchiness: 0.35,
         };
         match self {
-            Self::Stratus => Appearance { taper: 0.05, edge: 0.45, ..a(0.04, 400.0, [5, 5], 0.15, 0.12) },
-            Self::Stratocumulus => Appearance { taper: 0.18, edge: 0.22, ..a(0.04, 500.0, [9, 7], 0.75, 0.22) },
-            Self::Cumulus => Appearance { base_softness: 0.07, taper: 0.42, ..a(0.06, 1200.0, [9, 9], 0.85, 0.30) },
-            Self::Cumulonimbus => {
-                Appearance { base_softness: 0.04, taper: 0.30, edge: 0.12, ..a(0.08, 8000.0, [3, 3], 0.8, 0.30) }
+            Self::Stratus => {
+                Appearance { base_softness: 0.15, taper: 0.05, edge: 0.45, ..a(0.04, 400.0, [7, 7], 0.15, 0.12) }
             }
-            Self::Nimbostratus => Appearance { taper: 0.05, edge: 0.5, ..a(0.05, 3000.0, [4, 4], 0.2, 0.15) },
-            Self::Altostratus => Appearance { taper: 0.05, edge: 0.6, ..a(0.015, 1000.0, [4, 6], 0.1, 0.12) },
-            Self::Altocumulus => Appearance { taper: 0.20, edge: 0.25, ..a(0.03, 400.0, [22, 18], 0.7, 0.2) },
+            Self::Stratocumulus => Appearance { taper: 0.18, edge: 0.22, ..a(0.04, 500.0, [7, 12], 0.75, 0.22) },
+            Self::Cumulus => Appearance { base_softness: 0.07, taper: 0.42, ..a(0.06, 1200.0, [12, 12], 0.85, 0.30) },
+            Self::Cumulonimbus => {
+                let tower = a(0.08, 8000.0, [3, 3], 0.8, 0.30);
+                Appearance { base_softness: 0.04, taper: 0.30, top_softness: 0.10, anvil: 1.0, edge: 0.12, ..tower }
+            }
+            Self::Nimbostratus => {
+                Appearance { base_softness: 0.15, taper: 0.05, edge: 0.5, ..a(0.05, 3000.0, [4, 4], 0.2, 0.15) }
+            }
+            Self::Altostratus => {
+                Appearance { base_softness: 0.15, taper: 0.05, edge: 0.6, ..a(0.015, 1000.0, [4, 6], 0.1, 0.12) }
+            }
+            Self::Altocumulus => Appearance { taper: 0.20, edge: 0.25, ..a(0.03, 400.0, [40, 36], 0.85, 0.2) },
             Self::Cirrus => Appearance { taper: 0.0, edge: 0.6, ..a(0.0015, 1000.0, [3, 14], 0.05, 0.25) },
-            Self::Cirrocumulus => Appearance { taper: 0.1, edge: 0.4, ..a(0.001, 500.0, [26, 34], 0.6, 0.2) },
-            Self::Cirrostratus => Appearance { taper: 0.0, edge: 0.9, ..a(0.0006, 1500.0, [3, 4], 0.0, 0.1) },
+            Self::Cirrocumulus => Appearance { taper: 0.1, edge: 0.4, ..a(0.001, 500.0, [90, 92], 0.9, 0.2) },
+            Self::Cirrostratus => Appearance { taper: 0.0, edge: 0.9, ..a(0.0006, 1500.0, [6, 8], 0.0, 0.1) },
         }
     }
 

@@ -6,5 +6,9 @@ pub mod detail;
 pub mod kind;
 pub mod modulation;
 pub mod slices;
+pub mod warp;
+
+#[cfg(test)]
+mod tests;
 
 pub use kind::{Appearance, CloudKind};

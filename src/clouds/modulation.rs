@@ -32,7 +32,8 @@ fn build() -> Vec<u8> {
         .into_par_iter()
         .map(|i| {
             let p = Vec2::new((i as usize % WIDTH) as f32, (i as usize / WIDTH) as f32) / WIDTH as f32;
-            let broad = fractal((p * 7.0).extend(0.5), [7, 7, 1], 3, 31);
+            // Nothing wider than 31 km: places 16 km apart and more would have too much in common.
+            let broad = fractal((p * 13.0).extend(0.5), [13, 13, 1], 3, 31);
             let patches = fractal((p * 29.0).extend(0.5), [29, 29, 1], 4, 37);
             (broad + 0.8 * patches, i)
         })

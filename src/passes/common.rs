@@ -1,5 +1,6 @@
 //! What several passes share: the camera, the haze, charts; twin of `common.wgsl`.
 
+use crate::clouds::{density, warp};
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 
@@ -105,12 +106,27 @@ pub struct Chart {
     pub w: [f32; 3],
     /// Half the width of the zone over which charts are cross-faded, as a difference of raw weights.
     pub zone: f32,
+    /// Phases at the eye's ground point of the waves that move the tile, in waves (see `clouds::warp`).
+    pub warp: [f32; 4],
 }
 
 impl Chart {
     /// A place in the array that no look-up reads.
-    pub const UNUSED: Self =
-        Self { tile_origin_m: [0.0; 2], map_origin: [0.0; 2], a: [1.0, 0.0], c: [0.0; 2], w: [0.0; 3], zone: 1.0 };
+    pub const UNUSED: Self = Self {
+        tile_origin_m: [0.0; 2],
+        map_origin: [0.0; 2],
+        a: [1.0, 0.0],
+        c: [0.0; 2],
+        w: [0.0; 3],
+        zone: 1.0,
+        // On the waves' crests, where they change least.
+        warp: [0.25; 4],
+    };
+
+    /// Place in the tile, in periods, of a point displaced from the eye's ground point in the chart by so many metres.
+    pub fn tile(&self, moved: Vec2) -> Vec2 {
+        (Vec2::from(self.tile_origin_m) + moved + warp::shift_m(&self.warp, moved)) * (1.0 / density::TILE_M)
+    }
 
     /// Displacement from the eye's ground point in the chart, metres, of a point with stereographic coordinate `z` (m).
     pub fn displacement(&self, z: Vec2) -> Vec2 {

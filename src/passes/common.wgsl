@@ -31,6 +31,7 @@ struct Chart {
     c: vec2<f32>,
     w: vec3<f32>,
     zone: f32,
+    warp: vec4<f32>,
 }
 
 struct Flash {
@@ -44,6 +45,12 @@ struct Node {
     passed: f32,
 }
 
+const TILE_M: f32 = 16000.0;
+// The waves that move the tile, as in clouds::warp.
+const WARP_EAST: vec4<f32> = vec4<f32>(1.308378e-5, 3.655636e-6, -7.800198e-6, -1.402771e-5);
+const WARP_NORTH: vec4<f32> = vec4<f32>(8.496709e-6, 1.364302e-5, 1.599278e-5, 9.461809e-6);
+const WARP_EASTWARD_M: vec4<f32> = vec4<f32>(-708.0, -1255.7, -1168.4, -727.0);
+const WARP_NORTHWARD_M: vec4<f32> = vec4<f32>(1090.3, 336.5, -569.9, -1077.7);
 const HAZE_SCALE_M: f32 = 1200.0;
 const AIR_SCALE_M: f32 = 8000.0;
 const FAR: f32 = 1e30;
@@ -142,6 +149,15 @@ fn displacement(chart_a: vec2<f32>, chart_c: vec2<f32>, z: vec2<f32>) -> vec2<f3
     let one_minus = vec2<f32>(1.0, 0.0) - complex_mul(chart_c, z);
     let inverse = vec2<f32>(one_minus.x, -one_minus.y) / dot(one_minus, one_minus);
     return complex_mul(complex_mul(chart_a, z), inverse);
+}
+
+// Place in the tile, in periods, of a point displaced in a chart whose waves and origin are given.
+fn tile_of(origin_m: vec2<f32>, warp: vec4<f32>, moved: vec2<f32>) -> vec2<f32> {
+    let phase = warp + WARP_EAST * moved.x + WARP_NORTH * moved.y;
+    let f = phase - floor(phase + 0.5);
+    let wave = f * (8.0 - 16.0 * abs(f));
+    let shift = vec2<f32>(dot(wave, WARP_EASTWARD_M), dot(wave, WARP_NORTHWARD_M));
+    return (origin_m + moved + shift) * (1.0 / TILE_M);
 }
 
 fn stereographic(p: vec3<f32>, radius: f32) -> vec2<f32> {

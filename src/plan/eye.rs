@@ -104,5 +104,6 @@ fn narrow(view: &ChartView, tile_m: f64, to_mean_sphere: f64) -> Chart {
         c: (view.c * to_mean_sphere).as_vec2().into(),
         w: view.w.as_vec3().into(),
         zone: BLEND as f32,
+        warp: crate::clouds::warp::phases(origin),
     }
 }

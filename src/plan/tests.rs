@@ -71,7 +71,7 @@ fn coordinates(eye: &Eye, point: &Geodetic) -> Vec<(usize, Vec2, Vec2)> {
     let found = views.iter().zip(&charts).map(|(view, chart)| {
         let moved = chart.displacement(z);
         let map = Vec2::from(chart.map_origin) + modulation::coordinates(moved);
-        (view.chart, Vec2::from(chart.tile_origin_m) + moved, map)
+        (view.chart, density::TILE_M * chart.tile(moved), map)
     });
     found.collect()
 }

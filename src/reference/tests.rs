@@ -1,5 +1,7 @@
 //! Pictures of extreme snapshots are finite; more coverage hides more.
 
+mod geometry;
+
 use super::*;
 use crate::passes::light::volume::Texels;
 use crate::plan::plan;
@@ -40,8 +42,14 @@ fn the_second_picture_makes_no_light_anew_however_many_layers_there_are() {
     assert_eq!(kept(&executor), before);
 }
 
-/// What the deck of a plan hides, in the mean over the picture. Light does not matter to it.
+/// What the deck of a plan hides, in the mean over the picture.
 fn mean_opacity(plan: &FramePlan) -> f64 {
+    let opacities = opacities(plan);
+    opacities.iter().map(|opacity| f64::from(*opacity)).sum::<f64>() / opacities.len() as f64
+}
+
+/// What the deck of a plan hides, pixel by pixel, rows from the top. Light does not matter to it.
+fn opacities(plan: &FramePlan) -> Vec<f32> {
     let texels = Texels::Bytes(vec![[0; 4]; crate::passes::light::volume::VOXELS]);
     let dark = Volume { nodes: 1, texels };
     let table = vec![Texel([half::f16::ZERO; 4]); 2 * crate::passes::sky::table::WIDTH.pow(2)];
@@ -70,8 +78,7 @@ fn mean_opacity(plan: &FramePlan) -> f64 {
             Prepared::new(&layer.layer, layer.slices, textures)
         })
         .collect();
-    let texels = images::deck(plan, &table, &layers, None).texels;
-    texels.iter().map(|texel| f64::from(texel.w)).sum::<f64>() / texels.len() as f64
+    images::deck(plan, &table, &layers, None).texels.iter().map(|texel| texel.w).collect()
 }
 
 #[test]

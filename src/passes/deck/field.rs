@@ -52,7 +52,7 @@ pub fn margin(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_
     let mut found = 0.0;
     for (chart, weight) in layer.chart.iter().zip(weights).filter(|(_, weight)| *weight > 0.0) {
         let moved = chart.displacement(z);
-        let tile = (Vec2::from(chart.tile_origin_m) + moved) * (1.0 / density::TILE_M);
+        let tile = chart.tile(moved);
         let most = bound(textures.bounds, tile) + 0.5 * layer.detail - layer.theta - shift;
         if bounded && most < layer.clear_below {
             return most;
@@ -92,7 +92,7 @@ pub fn light_at(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, heigh
     for ((chart, weight), volume) in layer.chart.iter().zip(weights).zip(textures.lights) {
         if weight > 0.0 {
             let moved = chart.displacement(z);
-            let tile = (Vec2::from(chart.tile_origin_m) + moved) * (1.0 / density::TILE_M);
+            let tile = chart.tile(moved);
             let map = Vec2::from(chart.map_origin) + modulation::coordinates(moved);
             let above = layer.patchiness * map_repeat(textures.map, modulation::WIDTH, map.x, map.y);
             let node = (lowest + above) * layer.light_per_theta;

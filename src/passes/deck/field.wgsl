@@ -70,7 +70,6 @@ override SHADED: bool = true;
 override FLUX: u32 = 0u;
 override GLOW: bool = true;
 
-const TILE_M: f32 = 16000.0;
 const DETAIL_TILE_M: f32 = 1397.0;
 const DETAIL_NEAR_M: f32 = 2500.0;
 const DETAIL_FAR_M: f32 = 9000.0;
@@ -84,6 +83,7 @@ const MOST_LOOKS: u32 = 192u;
 const STEP_PIXELS: f32 = 3.5;
 const STEP_GROWTH: vec2<f32> = vec2<f32>(0.004, 0.025);
 const RETREAT: f32 = 0.4;
+const RUNG_ROUNDING: f32 = 0.01;
 const HALVINGS: u32 = 10u;
 const ALONE: f32 = 0.9999;
 const RING_SHARE: f32 = 0.11;
@@ -200,7 +200,7 @@ fn chart_weights(from_centre: vec3<f32>) -> vec3<f32> {
 }
 
 fn tile_at(chart: u32, moved: vec2<f32>) -> vec2<f32> {
-    return (layer.chart[chart].tile_origin_m + moved) * (1.0 / TILE_M);
+    return tile_of(layer.chart[chart].tile_origin_m, layer.chart[chart].warp, moved);
 }
 
 // What the 2D map adds to theta.
@@ -424,27 +424,20 @@ fn shortest_step(at: f32, least: f32) -> f32 {
     return max(layer.step_m + step_growth() * at, least);
 }
 
-// The range of the next look: one step on, or as many steps as surely lie outside the cloud. Looks stand on the rungs of
-// the same ladder however many are left out, so that leaving out changes no picture.
+// The range of the next look: the next rung, or the last one that surely lies outside the cloud. Rungs are counted from
+// the eye, however many are left out and wherever the ray enters the layer.
 fn next_look(at: f32, least: f32, beyond: f32) -> f32 {
-    let shortest = shortest_step(at, least);
-    var end = at + shortest;
-    if beyond >= shortest {
-        let growth = step_growth();
-        let origin = layer.step_m / growth;
-        // Steps are even up to the range at which they begin to grow, then a geometric series.
-        let even = max(ceil(((least - layer.step_m) / growth - at) / max(least, 1e-3)), 0.0);
-        let grows = at + even * least;
-        let surely = end + beyond;
-        if surely < grows {
-            end = at + floor((surely - at) / least) * least;
-        } else {
-            let octaves = log2(1.0 + growth);
-            let steps = floor(log2((surely + origin) / (grows + origin)) / octaves);
-            end = (grows + origin) * exp2(steps * octaves) - origin;
-        }
+    let growth = step_growth();
+    let origin = layer.step_m / growth;
+    // Steps are even up to the range at which they begin to grow, then a geometric series.
+    let grows = max((least - layer.step_m) / growth, 0.0);
+    let surely = at + shortest_step(at, least) + beyond;
+    if surely < grows {
+        return floor(surely / least + RUNG_ROUNDING) * least;
     }
-    return end;
+    let octaves = log2(1.0 + growth);
+    let steps = floor(log2((surely + origin) / (grows + origin)) / octaves + RUNG_ROUNDING);
+    return (grows + origin) * exp2(steps * octaves) - origin;
 }
 
 // Whether a look that found cloud went further than one step.

@@ -258,25 +258,25 @@ impl Steps {
         (self.at_eye_m + self.growth * at).max(self.least_m)
     }
 
-    /// The range of the next look: one step on, or as many steps as surely lie outside the cloud, which is `beyond` away.
+    /// The range of the next look: the next rung, or the last one that surely lies outside the cloud, which is `beyond` away.
+    /// Rungs are counted from the eye and not from where the ray enters a layer, which for a level ray moves by hundreds of
+    /// metres when the eye rises by one.
     fn next_look(&self, at: f32, beyond: f32) -> f32 {
-        let shortest = self.shortest_m(at);
-        if beyond < shortest {
-            return at + shortest;
-        }
         let origin = self.at_eye_m / self.growth;
         // Steps are even up to the range at which they begin to grow, then a geometric series.
-        let even = (((self.least_m - self.at_eye_m) / self.growth - at) / self.least_m.max(1e-3)).ceil().max(0.0);
-        let grows = at + even * self.least_m;
-        let target = at + shortest + beyond;
+        let grows = ((self.least_m - self.at_eye_m) / self.growth).max(0.0);
+        let target = at + self.shortest_m(at) + beyond;
         if target < grows {
-            return at + ((target - at) / self.least_m).floor() * self.least_m;
+            return (target / self.least_m + RUNG_ROUNDING).floor() * self.least_m;
         }
         let octaves = (1.0 + self.growth).log2();
-        let steps = (((target + origin) / (grows + origin)).log2() / octaves).floor();
+        let steps = (((target + origin) / (grows + origin)).log2() / octaves + RUNG_ROUNDING).floor();
         (grows + origin) * (steps * octaves).exp2() - origin
     }
 }
+
+/// Share of a step by which a rung may lie beyond where it surely may: else one that rounds down would be looked for twice.
+const RUNG_ROUNDING: f32 = 0.01;
 
 /// Radius of ring `k`; the last one lies at the layer's `ring_last_m`.
 pub fn ring_radius(layer: &Layer, k: i32) -> Option<f32> {
@@ -321,18 +321,20 @@ mod tests {
             let steps = Steps { at_eye_m, growth, least_m };
             for begin in [0.0f32, 800.0, 12_345.0] {
                 let rungs: Vec<f32> =
-                    std::iter::successors(Some(begin), |at| Some(at + steps.shortest_m(*at))).take(60).collect();
+                    std::iter::successors(Some(begin), |at| Some(steps.next_look(*at, 0.0))).take(60).collect();
                 for (rung, at) in rungs.iter().enumerate().take(20) {
                     for beyond in [0.0, 0.5 * steps.shortest_m(*at), 700.0, 2_500.0] {
                         let end = steps.next_look(*at, beyond);
                         let nearest =
                             rungs.iter().skip(rung + 1).map(|t| (t - end).abs()).fold(f32::INFINITY, f32::min);
-                        // The closed form rounds once, the ladder at each rung: some 1e-6 of the range and the steps' origin.
+                        // Rungs are computed one by one: some 1e-6 of the range and the steps' origin.
                         assert!(nearest < 0.1 || end > rungs[59], "{at} {beyond}: {end} is {nearest} from a rung");
-                        let furthest = at + steps.shortest_m(*at) + beyond;
-                        assert!(end > *at && end <= furthest + 0.1, "{at} {beyond}: {end}");
+                        let step = steps.shortest_m(*at);
+                        let furthest = at + step + beyond;
+                        let most = furthest + 2.0 * RUNG_ROUNDING * steps.shortest_m(furthest);
+                        assert!(end > *at && end <= most, "{at} {beyond}: {end}");
                         // No rung that is surely outside is left for later.
-                        let next = end + steps.shortest_m(end);
+                        let next = steps.next_look(end, 0.0);
                         assert!(next > furthest - 0.1 || beyond < steps.shortest_m(*at), "{at} {beyond}: {end} {next}");
                     }
                 }

@@ -41,7 +41,7 @@ fn four_thetas(chart: u32, tile: vec2<f32>, part: u32, level: f32) -> vec4<f32> 
 // The transmittance between the two entries around the theta that rules at a place of a chart.
 fn column(chart: u32, z: vec2<f32>, shift: f32, level: f32) -> f32 {
     let moved = displacement(layer.chart[chart].a, layer.chart[chart].c, z);
-    let tile = (layer.chart[chart].tile_origin_m + moved) * (1.0 / TILE_M);
+    let tile = tile_of(layer.chart[chart].tile_origin_m, layer.chart[chart].warp, moved);
     let place = layer.chart[chart].map_origin + map_coordinates(moved);
     let theta = layer.theta + layer.patchiness * textureSampleLevel(map, repeated, place, 0.0).r + shift;
     let entry = clamp((theta - shadow.theta_low) * shadow.inverse_step, 0.0, ENTRIES);

@@ -5,7 +5,7 @@ use super::twin::Caster;
 use super::*;
 use crate::clouds::coverage::Coverage;
 use crate::clouds::density::{DensityVolume, HEIGHT, TILE_M, WIDTH};
-use crate::clouds::{CloudKind, detail, modulation};
+use crate::clouds::{CloudKind, detail, modulation, warp};
 use crate::passes::common::Chart;
 use crate::passes::deck::Layer;
 use crate::passes::deck::field::{BOUNDS_WIDTH, Textures};
@@ -116,7 +116,7 @@ fn the_shadow_lies_away_from_the_sun_by_height_over_tangent() {
         let table = build(&columns, &shape);
         let mut layer = layer(&columns, 0.3, 0.0);
         // The ball stands above the origin.
-        layer.chart[0].tile_origin_m = centre.into();
+        layer.chart[0].tile_origin_m = (centre - warp::shift_m(&layer.chart[0].warp, Vec2::ZERO)).into();
         let caster = caster(&layer, &columns, &table);
         let height_m = BASE_M + share * columns.thickness_m;
         let expected = -Vec2::new(light.x, light.y) / light.z * height_m;
@@ -127,9 +127,10 @@ fn the_shadow_lies_away_from_the_sun_by_height_over_tangent() {
             (sum, weight) = (sum + at * dark, weight + dark);
         }
         assert!(weight > 50.0, "there is a shadow: {weight}");
-        // Ground 3.5 km away lies 1 m lower, which the light passes in 3 m; the sum is over points 25 m apart.
+        // Ground 3.5 km away lies 1 m lower, which the light passes in 3 m; the sum is over points 25 m apart; on their crests
+        // the waves that move the tile turn by 16 * 1.3 km / (60 km)^2, a hundredth in 1.5 km.
         let off = sum / weight - expected;
-        assert!(off.length() < 8.0, "{elevation_deg}, {azimuth_deg}: off by {off} m");
+        assert!(off.length() < 16.0, "{elevation_deg}, {azimuth_deg}: off by {off} m");
         // And the ball itself casts none where it stands.
         assert!(caster.through(EARTH_M, ground(0.0, 0.0), 0.0) > 0.99);
     }
@@ -163,7 +164,8 @@ fn shadows_are_what_the_deck_lets_through() {
         let [ours, truth, apart] = [ours, truth, apart].map(|sum| sum / points as f32);
         println!("{kind:?} {coverage} {elevation_deg}: mean {ours:.4}, marched {truth:.4}, apart {apart:.4}");
         // Edges are a texel of 62.5 m soft, and theta is taken half-way through the layer: single points at the edges of
-        // clouds differ, more of them the flatter the light; the mean does not.
+        // clouds differ, more of them the flatter the light; the mean does not. The waves that move the tile turn the light's
+        // way in it by up to a tenth, which the table does not know: at 25 degrees 130 m at base and top.
         assert!((ours - truth).abs() < 0.01, "{kind:?}: mean {ours}, marched {truth}");
         assert!(apart < 0.06, "{kind:?}: {apart} apart on the mean");
     }
@@ -204,7 +206,7 @@ fn a_footprint_blurs_to_the_mean() {
         let mean = values.iter().sum::<f32>() / values.len() as f32;
         (values.iter().map(|v| (v - mean).powi(2)).sum::<f32>() / values.len() as f32).sqrt()
     };
-    let spreads = [0.0, 300.0, 1_500.0, 16_000.0].map(|footprint_m| spread(&along(footprint_m)));
+    let spreads = [0.0, 600.0, 1_500.0, 16_000.0].map(|footprint_m| spread(&along(footprint_m)));
     assert!(spreads.windows(2).all(|w| w[1] < 0.9 * w[0]), "{spreads:?}");
     assert!(spreads[3] < 0.01, "{spreads:?}");
 }

@@ -2,7 +2,7 @@
 
 use super::table::{LAYERS, LEVELS, TEXEL_M, THETAS, Table, sample};
 use super::{DISC_RAD, Shadow};
-use crate::clouds::{density, modulation};
+use crate::clouds::modulation;
 use crate::passes::common::{Camera, chart_weights, stereographic};
 use crate::passes::deck::Layer;
 use crate::passes::deck::field::region_shift;
@@ -65,7 +65,7 @@ impl Caster<'_> {
         for ((chart, weight), table) in self.layer.chart.iter().zip(weights).zip(&self.tables) {
             if weight > 0.0 {
                 let moved = chart.displacement(z);
-                let tile = (Vec2::from(chart.tile_origin_m) + moved) * (1.0 / density::TILE_M);
+                let tile = chart.tile(moved);
                 let place = Vec2::from(chart.map_origin) + modulation::coordinates(moved);
                 let above = map_repeat(self.map, modulation::WIDTH, place.x, place.y);
                 let theta = self.layer.theta + self.layer.patchiness * above + shift;

@@ -80,8 +80,9 @@ fn shade_is_what_the_higher_layer_lets_through_along_the_light() {
         }
         println!("{elevation_deg} degrees: mean {ours:.4}, marched {truth:.4}, apart {apart:.4}, elsewhere {moved:.4}");
         assert!(truth > 0.05 && truth < 0.95 && moved > 0.1, "there is shade: {truth} {moved}");
-        // The table's texels of 62.5 m and the map's, of 62 m and more, soften edges; the mean stays.
-        assert!((ours - truth).abs() < 0.02 && apart < 0.1 && apart < 0.5 * moved, "{ours} {truth} {apart}");
+        // The table's texels of 62.5 m and the map's, of 62 m and more, soften the edges of elements of 1.7 km whose gaps are
+        // narrower than that; the mean stays.
+        assert!((ours - truth).abs() < 0.02 && apart < 0.1 && apart < 0.65 * moved, "{ours} {truth} {apart}");
     }
 }
 
