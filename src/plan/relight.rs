@@ -225,6 +225,8 @@ fn drawn(state: &LayerState, column: usize, there: &Eye, regions: &[NearRegion],
         chart.a = chart.a.map(|v| rounded(v, 65_536.0));
         chart.c = chart.c.map(|v| rounded(v, 1e12));
         chart.w = chart.w.map(|v| rounded(v, 65_536.0));
+        // A metre of waves that are 60 km long.
+        chart.warp = chart.warp.map(|v| rounded(v, 65_536.0));
     }
     let one_per_cent = |v: f32| ((v.ln() * 100.0).round() / 100.0).exp();
     let mut outline = [Region::default(); REGIONS];
@@ -237,7 +239,7 @@ fn drawn(state: &LayerState, column: usize, there: &Eye, regions: &[NearRegion],
         extinction_per_m: one_per_cent(look.extinction_per_m * state.density as f32),
         inverse_edge: 1.0 / look.edge,
         theta: rounded(threshold.offset, 256.0),
-        patchiness: threshold.patchiness,
+        patchiness: rounded(threshold.patchiness, 256.0),
         charts: near.len() as u32,
         regions: regions.len() as u32,
         region: column as u32,
