@@ -8,13 +8,17 @@ use super::eye::Eye;
 use super::regions::NearRegion;
 use super::shadow::{self, ShadowPlan};
 use crate::geo::Geodetic;
+use crate::geo::cities::near;
+use crate::geo::frames::enu;
 use crate::geo::stars::earth_from_stars;
 use crate::geo::terrain::Terrain;
+use crate::geo::wgs84::MEAN_RADIUS_M;
 use crate::passes::common::{AIR_SCALE_M, Camera, smoothstep};
-use crate::passes::deck::{FLASHES, Flash, glow};
+use crate::passes::deck::{FLASHES, Flash};
 use crate::passes::ground::lights::CORE_LUMINANCE;
 use crate::passes::ground::{FIELDS_TILE_M, Ground};
 use crate::passes::sky::atmosphere::{Air, Luminary, MOON_LUX, SUN_LUX};
+use crate::passes::sky::lamps::{CityLamps, MOST};
 use crate::passes::sky::multiple::HigherOrders;
 use crate::passes::sky::table::TableParams;
 use crate::passes::sky::{Sky, Stars, stars};
@@ -22,12 +26,14 @@ use crate::world::command::Frustum;
 use crate::world::regions::weight_at;
 use crate::world::snapshot::{Snapshot, ViewState};
 use column::{ClearSky, Column, Level};
-use glam::{DMat3, DQuat, Vec3};
+use glam::{DMat3, DQuat, Vec2, Vec3};
 
 /// Angular radius of the sun and, nearly, of the moon.
 const DISC_RAD: f32 = 0.004_65;
 /// Sine of the elevation (-21 degrees) below which a light gives no twilight any more.
 const LAST_TWILIGHT: f32 = -0.36;
+/// Cities farther away do not light the sky.
+const CITIES_REACH_M: f64 = 150_000.0;
 /// Contrast of 5 % at the visibility: extinction is -ln(0.05) over it (WMO-No. 8, meteorological optical range).
 const VISIBILITY_DEPTH: f64 = 2.996;
 
@@ -49,7 +55,8 @@ pub struct Illuminance {
     shares: Vec<f32>,
     air: Air,
     lights: [Luminary; 2],
-    night: f32,
+    /// How much of the lamps of cities is lit: all while the sun is lower than 8 degrees below the horizon, none above 1.7.
+    pub night: f32,
     /// Whether the moon's disc is there, and how much of the stars' light.
     moon: bool,
     starlight: f32,
@@ -109,15 +116,17 @@ impl Illuminance {
         let ev = exposure::ev100(view.exposure, &at_eye, mu, snapshot, eye);
         let height_m = quantised(eye.height_m as f32);
         let scale = (1.2 * ev.exp2()).log2().round().exp2();
+        // In steps of a fiftieth, so that the sky's table is not made for each frame of a dusk.
+        let night = ((1.0 - smoothstep(-0.14, -0.03, sun.z)) * 50.0).round() / 50.0;
         let table = TableParams {
             eye_m: height_m,
             horizon: horizon(eye.earth_m as f32, height_m),
             haze_per_m: air.haze_per_m,
             lights: lights.map(|l| Luminary { direction: quantised_direction(l.direction), ..l }),
             night_luminance,
+            cities: cities(eye, night),
             scale,
         };
-        let night = 1.0 - smoothstep(-0.14, -0.03, sun.z);
         // Full scale at 1.2 * 2^EV cd/m2 (ISO 2720 with K = 12.5 and saturation-based speed).
         let exposure = 1.0 / (1.2 * ev.exp2());
         let unshaded_lux = clear.ground.direct_lux;
@@ -265,16 +274,32 @@ impl Illuminance {
     pub fn upwelling_lux(&self, column: usize, index: usize) -> Vec3 {
         self.columns[column].below_lux[index] * 0.079_577_47
     }
+}
 
-    /// Whether the lamps of cities are lit: while the sun is lower than 1.7 degrees below the horizon.
-    pub fn lamps(&self) -> bool {
-        self.night > 0.0
+/// The cities whose light the air around the eye scatters most, `night` of it lit, as from the nearest corner of a grid of a
+/// hundredth of a degree, so that the sky's table is not made for each metre.
+fn cities(eye: &Eye, night: f32) -> [CityLamps; MOST] {
+    let mut found = [CityLamps::default(); MOST];
+    if night <= 0.0 {
+        return found;
     }
-
-    /// How much of the glow table's four heights a base receives.
-    pub fn glow(&self, base_m: f64) -> [f32; 4] {
-        glow::weights(base_m).map(|weight| weight * self.night)
-    }
+    let corner = |angle_rad: f64| (angle_rad.to_degrees() * 100.0).round().to_radians() / 100.0;
+    let place = Geodetic {
+        latitude_rad: corner(eye.position.latitude_rad),
+        longitude_rad: corner(eye.position.longitude_rad),
+        altitude_m: 0.0,
+    };
+    let axes = enu(&place);
+    let lamps = near(axes.z_axis, CITIES_REACH_M).into_iter().map(|city| {
+        let away = axes.transpose() * city.zenith * MEAN_RADIUS_M;
+        let (place_m, radius_m) = ([away.x as f32, away.y as f32], city.radius_m() as f32);
+        CityLamps { place_m, radius_m, luminance: CORE_LUMINANCE * night }
+    });
+    let mut lamps: Vec<CityLamps> = lamps.collect();
+    let counts = |city: &CityLamps| city.scalar_lux(Vec2::ZERO, 500.0);
+    lamps.sort_by(|a, b| counts(b).total_cmp(&counts(a)));
+    found.iter_mut().zip(lamps).for_each(|(slot, city)| *slot = city);
+    found
 }
 
 /// Height above which snow lies in summer: 5 km on the equator, 2.9 km in the Alps, sea level at 72 degrees (a parabola

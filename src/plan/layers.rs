@@ -160,7 +160,6 @@ impl Context<'_> {
             shade_near_m: 1.0,
             shade_span: 0.0,
             pad2: 0.0,
-            glow: self.light.glow(state.base_m),
             chart: charts,
             outline,
             flash,

@@ -50,8 +50,9 @@ pub struct GlowPlan {
     pub window: GlowWindow,
 }
 
-/// The glow on the clouds of a plan; `None`: by day, without clouds, far from all cities.
-pub fn glow(eye: &Eye, lamps: bool, clouds: bool, notes: &mut Vec<PassNote>) -> Option<GlowPlan> {
+/// The glow on the clouds of a plan; `None`: by day, without clouds, far from all cities. `night`: how much of the lamps is lit.
+pub fn glow(eye: &Eye, night: f32, clouds: bool, notes: &mut Vec<PassNote>) -> Option<GlowPlan> {
+    let lamps = night > 0.0;
     let cities = lamps && clouds && !near(eye.zenith, GLOW_REACH_M).is_empty();
     let why = match (lamps, clouds, cities) {
         (false, ..) => "by day no lamp is lit",
@@ -65,7 +66,7 @@ pub fn glow(eye: &Eye, lamps: bool, clouds: bool, notes: &mut Vec<PassNote>) -> 
         let window = GlowWindow::around(chart.view.chart, chart.view.origin_m);
         let origin = window.share(chart.view.origin_m).as_vec2().into();
         let Lying { a, c, stretch, .. } = chart;
-        GlowPlan { glow: CityGlow { a, c, stretch, origin }, window }
+        GlowPlan { glow: CityGlow { a, c, stretch, origin, strength: night, pad0: 0.0 }, window }
     })
 }
 

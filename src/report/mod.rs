@@ -10,6 +10,7 @@ mod deck;
 mod empty_space;
 mod encode;
 mod figure;
+mod glow;
 mod html;
 mod images;
 mod latency;
@@ -47,6 +48,7 @@ pub fn subjects() -> &'static [Subject] {
     &[
         deck::SUBJECT,
         shadow::SUBJECT,
+        glow::SUBJECT,
         sky::SUBJECT,
         encode::SUBJECT,
         lightning::SUBJECT,

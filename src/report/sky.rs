@@ -141,6 +141,7 @@ impl Scene {
             haze_per_m: self.air.haze_per_m,
             lights: [self.sun, none],
             night_luminance: 0.0,
+            cities: Default::default(),
             scale: 1.0,
         })
     }

@@ -95,14 +95,14 @@ fn ridges(mut p: DVec3, spacing_m: f64) -> f64 {
         let there = kept(wavelength_m, spacing_m);
         if there <= 0.0 {
             // What is left out is there on the mean.
-            sum += 0.42 * weight * amplitude * 1.9;
+            sum += 0.42 * weight * amplitude * 2.1;
             break;
         }
         let crest = 1.0 - noise(p, 40 + octave as u32).abs() * 1.6;
         let crest = crest.max(0.0) * crest.max(0.0);
         sum += amplitude * weight * (crest * there + 0.42 * (1.0 - there));
-        weight = (crest * 1.5).clamp(0.12, 1.0);
-        (p, wavelength_m, amplitude) = (turned(p), 0.5 * wavelength_m, 0.47 * amplitude);
+        weight = (crest * 1.6).clamp(0.25, 1.0);
+        (p, wavelength_m, amplitude) = (turned(p), 0.5 * wavelength_m, 0.52 * amplitude);
     }
     sum
 }

@@ -1,6 +1,6 @@
 //! The density and light of a layer at a point; twin of the functions of the same names in `field.wgsl`.
 
-use super::glow::{CityGlow, SPACING_M, Texel, WIDTH, sample};
+use super::glow::{CityGlow, SPACING_M, Texel, WIDTH, at_height, sample};
 use super::{DETAIL_FADE_M, FLASH_CAP_M, FLASH_COLOUR, Layer, Region};
 use crate::clouds::{density, detail, modulation};
 use crate::passes::common::{Chart, chart_weights, displacement, smoothstep, stereographic};
@@ -8,6 +8,7 @@ use crate::passes::light::encoding::{Encoding, View, decode};
 use crate::passes::light::volume::Volume;
 use crate::passes::sampling::{map_repeat, volume_byte};
 use crate::passes::shadow::shade;
+use crate::passes::sky::lamps::CITY_COLOUR;
 use glam::{Vec2, Vec3, Vec4};
 
 /// What a layer's look-ups read.
@@ -140,16 +141,21 @@ pub fn view(layer: &Layer, direction: Vec3) -> View {
     View { direction, light, lobes: phases(direction.dot(light)) }
 }
 
-/// Colour of a city's lamps.
-pub const CITY_COLOUR: Vec3 = Vec3::new(1.0, 0.72, 0.42);
+/// Of a diffuse slab's transmittance 1 / (1 + 3/4 (1 - g) tau) with g = 0.85, for cloud that fills seven tenths of its height.
+const GLOW_SLAB: f32 = 0.08;
 
-/// Light from below by cities at a point, over 4 pi as a layer's own light from the ground.
-pub fn city_glow(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_m: f32) -> Vec3 {
+/// What a point sends out of the light of cities, cd/m2 where it is opaque; `from_below` is what it sends of a layer's own light
+/// from the ground.
+pub fn city_glow(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_m: f32, from_below: f32) -> Vec3 {
     let Some((glow, table)) = textures.glow else { return Vec3::ZERO };
     let z = stereographic(p, earth_m, earth_m + height_m) * Vec2::from(glow.stretch);
     let moved = displacement(glow.a.into(), glow.c.into(), z);
     let lux = sample(table, Vec2::from(glow.origin) + moved * (1.0 / (WIDTH as f64 * SPACING_M) as f32));
-    CITY_COLOUR * (2.0 * 0.079_577_47 * lux.dot(Vec4::from(layer.glow)))
+    // Through the cloud below it as through a diffuse slab; a flank has open air before it.
+    let depth = layer.extinction_per_m * (height_m - layer.base_m).max(0.0);
+    let (slab, open) = (1.0 / (1.0 + GLOW_SLAB * depth), 1.0 - 0.25 * from_below);
+    let through = slab + (1.0 - slab) * open;
+    CITY_COLOUR * (0.079_577_47 * glow.strength * at_height(lux, height_m) * through * from_below)
 }
 
 /// Cornette-Shanks (eq. 10) as a weighted sum (eq. 9) of a forward and a backward lobe, 1/sr, at the cosine of the

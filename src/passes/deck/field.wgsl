@@ -48,7 +48,6 @@ struct Layer {
     shade_near_m: f32,
     shade_span: f32,
     pad2: f32,
-    glow: vec4<f32>,
     chart: array<Chart, 3>,
     outline: array<Region, 16>,
     flash: array<Flash, 64>,
@@ -59,6 +58,8 @@ struct CityGlow {
     c: vec2<f32>,
     stretch: vec2<f32>,
     origin: vec2<f32>,
+    strength: f32,
+    pad0: f32,
 }
 
 // What a scene does not need is not in its pipeline.
@@ -101,10 +102,11 @@ const PER_STERADIAN: f32 = 0.07957747;
 // The map of shade by higher layers.
 @group(1) @binding(8) var shades: texture_2d<f32>;
 @group(1) @binding(9) var<storage, read> glow: CityGlow;
-// Illuminance from below by cities, for four heights of the base.
+// Illuminance from below by cities, for four heights.
 @group(1) @binding(10) var glow_table: texture_2d<f32>;
 
 const GLOW_WIDTH_M: f32 = 512000.0;
+const GLOW_SLAB: f32 = 0.08;
 const CITY_COLOUR: vec3<f32> = vec3<f32>(1.0, 0.72, 0.42);
 
 fn region_presence(region: Region, z: vec2<f32>) -> f32 {
@@ -344,11 +346,19 @@ fn shown(p: vec3<f32>, height: f32) -> f32 {
     return textureSampleLevel(shades, clamped, place, 0.0).r;
 }
 
-// Light from below by cities at a point, over 4 pi as a layer's own light from the ground.
-fn city_glow(p: vec3<f32>, height: f32) -> vec3<f32> {
+// What a point sends out of the light of cities; `from_below` is what it sends of a layer's own light from the ground.
+fn city_glow(p: vec3<f32>, height: f32, from_below: f32) -> vec3<f32> {
     let moved = displacement(glow.a, glow.c, stereographic(p, camera.earth_m + height) * glow.stretch);
     let lux = textureSampleLevel(glow_table, clamped, glow.origin + moved * (1.0 / GLOW_WIDTH_M), 0.0);
-    return CITY_COLOUR * (2.0 * PER_STERADIAN * dot(lux, layer.glow));
+    // Between the table's heights by their logarithm: 250, 1,000, 3,000 and 9,000 m.
+    let log_height = log(max(height, 1.0));
+    let share = clamp((log_height - vec3<f32>(5.5214609, 6.9077553, 8.0063676)) * vec3<f32>(0.7213475, 0.9102392, 0.9102392),
+        vec3<f32>(0.0), vec3<f32>(1.0));
+    let arrives = mix(mix(mix(lux.x, lux.y, share.x), lux.z, share.y), lux.w, share.z);
+    // Through the cloud below it as through a diffuse slab; a flank has open air before it.
+    let depth = layer.extinction_per_m * max(height - layer.base_m, 0.0);
+    let through = mix(1.0 / (1.0 + GLOW_SLAB * depth), 1.0, 1.0 - 0.25 * from_below);
+    return CITY_COLOUR * (PER_STERADIAN * glow.strength * arrives * through * from_below);
 }
 
 // Luminance that a point of cloud sends towards the eye where it is opaque.
@@ -359,7 +369,7 @@ fn source(stored: vec4<f32>, view: View, p: vec3<f32>, height: f32) -> vec3<f32>
     }
     var light = layer.light_lux * shares.x + layer.sky_lux * shares.y + layer.ground_lux * shares.z;
     if GLOW {
-        light += city_glow(p, height) * shares.z;
+        light += city_glow(p, height, shares.z);
     }
     if FLASHES {
         for (var i = 0u; i < layer.flashes; i++) {

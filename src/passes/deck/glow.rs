@@ -4,14 +4,14 @@
 //! cloud sends on follows from its light from below, so thicker cloud glows more, and its lower parts most. Where eq. 20
 //! reads the area from a texture and falls linearly with the height, these are the cities and the light inside the volume.
 //! *How we compute it.* Each city is a disc that shines as a matt one does; cities add up.
-//! *How we store it.* 256 x 256 texels of 2 km around the eye, f16, for four heights of the base.
-//! *How we read it back.* Bilinear; between the heights by the logarithm of the layer's base.
+//! *How we store it.* 256 x 256 texels of 2 km around the eye, f16, for four heights.
+//! *How we read it back.* Bilinear; between the heights by their logarithm, so that the upper parts of a tower receive less.
 
 use crate::geo::charts::{coordinate_of, place_of};
 use crate::geo::cities::near;
 use crate::passes::ground::lights::CORE_LUMINANCE;
 use bytemuck::{Pod, Zeroable};
-use glam::{DVec2, DVec3, Vec2, Vec4};
+use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 use half::f16;
 use rayon::prelude::*;
 
@@ -21,7 +21,7 @@ pub const WIDTH: usize = 256;
 pub const SPACING_M: f64 = 2_000.0;
 /// The window moves by so many texels.
 const STEP: i32 = 16;
-/// Heights of the base over the ground that are tabulated.
+/// Heights that are tabulated.
 const HEIGHTS_M: [f64; 4] = [250.0, 1_000.0, 3_000.0, 9_000.0];
 /// A city's light is looked for up to this distance: a million people's is a microlux there.
 const REACH_M: f64 = 60_000.0;
@@ -40,6 +40,10 @@ pub struct CityGlow {
     pub stretch: [f32; 2],
     /// Where the eye is, in the whole table.
     pub origin: [f32; 2],
+    /// How much of the lamps is lit: 1 in the night.
+    pub strength: f32,
+    /// Pads to a multiple of 8 bytes.
+    pub pad0: f32,
 }
 
 /// What a table is made from; equal ones give the same bytes.
@@ -125,15 +129,14 @@ fn disc_lux(apart: f64, radius_m: f64, height_m: f64) -> f64 {
     std::f64::consts::PI * f64::from(CORE_LUMINANCE) * r2 * (h2 + r2 * inside) / (distance2 * distance2) * clear
 }
 
-/// Weights of the four heights for a base over the ground, adding up to 1.
-pub fn weights(base_m: f64) -> [f32; 4] {
-    let base_m = base_m.clamp(HEIGHTS_M[0], HEIGHTS_M[3]);
-    let upper = HEIGHTS_M.iter().position(|h| base_m <= *h).unwrap_or(3).max(1);
-    let [low, high] = [HEIGHTS_M[upper - 1], HEIGHTS_M[upper]].map(f64::ln);
-    let share = ((base_m.ln() - low) / (high - low)) as f32;
-    let mut weights = [0.0; 4];
-    (weights[upper - 1], weights[upper]) = (1.0 - share, share);
-    weights
+/// What arrives at a height, of a texel's four: between them by the logarithm of the height. Twin of the same in `field.wgsl`.
+pub fn at_height(lux: Vec4, height_m: f32) -> f32 {
+    let log_height = height_m.max(1.0).ln();
+    let share = (Vec3::splat(log_height) - Vec3::new(5.521_460_9, 6.907_755_3, 8.006_367_6))
+        * Vec3::new(0.721_347_5, 0.910_239_2, 0.910_239_2);
+    let share = share.clamp(Vec3::ZERO, Vec3::ONE);
+    let between = |a: f32, b: f32, share: f32| a + (b - a) * share;
+    between(between(between(lux.x, lux.y, share.x), lux.z, share.y), lux.w, share.z)
 }
 
 /// Bilinear look-up of a table, clamped; coordinates as shares of its width.
@@ -184,19 +187,24 @@ mod tests {
     }
 
     #[test]
-    fn a_lower_base_is_lit_more_and_weights_add_up() {
+    fn what_is_lower_is_lit_more() {
         for apart_m in [0.0f64, 2_000.0] {
             let lux: Vec<f64> = HEIGHTS_M.iter().map(|h| disc_lux(apart_m * apart_m, 5_000.0, *h)).collect();
             assert!(lux.windows(2).all(|pair| pair[1] < pair[0]), "{lux:?}");
         }
-        for base_m in [-500.0, 0.0, 250.0, 700.0, 1_000.0, 2_999.0, 9_000.0, 30_000.0] {
-            let found = weights(base_m);
-            assert!(
-                (found.iter().sum::<f32>() - 1.0).abs() < 1e-6 && found.iter().all(|w| *w >= 0.0),
-                "{base_m}: {found:?}"
-            );
+        let lux = Vec4::new(9.0, 4.0, 2.0, 1.0);
+        for (height_m, expected) in [
+            (-500.0, 9.0),
+            (250.0, 9.0),
+            (500.0, 6.5),
+            (1_000.0, 4.0),
+            (3_000.0, 2.0),
+            (5_196.15, 1.5),
+            (20_000.0, 1.0),
+        ] {
+            // The logarithms' eight digits.
+            assert!((at_height(lux, height_m) - expected).abs() < 1e-4, "{height_m}: {}", at_height(lux, height_m));
         }
-        assert_eq!(weights(1_000.0), [0.0, 1.0, 0.0, 0.0]);
     }
 
     #[test]

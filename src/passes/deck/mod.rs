@@ -130,8 +130,6 @@ pub struct Layer {
     pub shade_span: f32,
     /// Pads to 16 bytes.
     pub pad2: f32,
-    /// How much of the glow table's four heights the layer's base receives; all 0 by day.
-    pub glow: [f32; 4],
     /// The charts.
     pub chart: [Chart; CHARTS],
     /// The outlines of the regions.

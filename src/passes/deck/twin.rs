@@ -215,8 +215,8 @@ impl Ray<'_> {
         let view = view(layer, self.direction);
         let mut lit = source(layer, light, &view, p, shown);
         if prepared.textures.glow.is_some() {
-            let below = city_glow(layer, &prepared.textures, self.camera.earth_m, p, height);
-            lit += below * decode(layer.encoding(), light, &view).ground;
+            let from_below = decode(layer.encoding(), light, &view).ground;
+            lit += city_glow(layer, &prepared.textures, self.camera.earth_m, p, height, from_below);
         }
         if let Some(fields) = prepared.lit {
             lit += FLASH_COLOUR * scattered(&fields.lits, &fields.fields, p, height, -self.direction);

@@ -34,8 +34,9 @@ const BLOCK_M: f32 = 2048.0;
 const BLOCKS: i32 = 32;
 // Cells of the finest lamps, how many of a cell's sides a pixel may span, a lamp's spread in its cell, and a period of the cells.
 const LAMP_M: f32 = 64.0;
-const LAMP_CELLS: f32 = 0.6;
-const LAMP_SPREAD: f32 = 0.17;
+const LAMP_CELLS: f32 = 0.45;
+const LAMP_SPREAD: f32 = 0.11;
+const STREETS_M: f32 = 400.0;
 const LAMP_PERIOD: i32 = 1024;
 // Mean square slope of the waves in a wind of 5 m/s.
 const WAVE_SLOPES: f32 = 0.029;
@@ -211,12 +212,12 @@ fn lamps_of(place_m: vec2<f32>, octave: f32) -> vec3<f32> {
     let lot = vec2<u32>(vec2<i32>(cell) & vec2<i32>(period - 1)) + vec2<u32>(u32(octave) * 4096u, 77u);
     let jitter = hash2(lot);
     let kind = hash2(lot + 8191u);
-    let away = at - cell - 0.5 - 0.5 * (jitter - 0.5);
+    let away = at - cell - 0.5 - 0.55 * (jitter - 0.5);
     // Gaussian spots whose mean over the cell is 1; brighter and fainter ones, warmer and whiter ones.
     let spot = exp(-dot(away, away) * (1.0 / (LAMP_SPREAD * LAMP_SPREAD))) / (3.14159265 * LAMP_SPREAD * LAMP_SPREAD);
     let bright = 2.5 * kind.x * kind.x + 0.167;
     // The larger the cell the more lamps it stands for, the less they differ.
-    let rough = 1.0 / (1.0 + 0.35 * octave);
+    let rough = 0.85 / (1.0 + 0.35 * octave);
     let colour = mix(vec3<f32>(1.0, 0.66, 0.34), vec3<f32>(0.95, 0.86, 0.72), kind.y);
     return colour * mix(1.0, spot * bright, rough);
 }
@@ -280,7 +281,8 @@ fn ground_luminance(direction: vec3<f32>, t: f32, passed: f32) -> vec3<f32> {
         let place = relief_place(p, radius);
         let mean = city_light(place, relief_level(place, t)) * (1.0 - made.sea);
         if mean > 1e-4 {
-            let at = ground.chart[0].tile_origin_m + displacement(ground.chart[0].a, ground.chart[0].c, z);
+            let bent = STREETS_M * vec2<f32>(detail(places, 9.0, 0.1, 1.0), detail(places, 9.0, 0.6, 1.0));
+            let at = ground.chart[0].tile_origin_m + displacement(ground.chart[0].a, ground.chart[0].c, z) + bent;
             seen += lamps(at, footprint, places) * (ground.city_luminance * mean);
         }
     }

@@ -20,8 +20,10 @@ const WAVE_SLOPES: f32 = 0.029;
 
 /// Cells of the finest lamps, how many of a cell's sides a pixel may span, a lamp's spread in its cell, and a period of the cells.
 const LAMP_M: f32 = 64.0;
-const LAMP_CELLS: f32 = 0.6;
-const LAMP_SPREAD: f32 = 0.17;
+const LAMP_CELLS: f32 = 0.45;
+const LAMP_SPREAD: f32 = 0.11;
+/// How far streets are bent, m.
+const STREETS_M: f32 = 400.0;
 const LAMP_PERIOD: i32 = 1_024;
 
 /// Range at which a ray meets the sphere that stands for the Earth; infinite if it does not.
@@ -134,7 +136,8 @@ impl Place<'_> {
             let mean = grids.light(place, level(grids.relief, place, t_m)) * (1.0 - sea);
             if mean > 1e-4 {
                 let chart = &ground.chart[0];
-                let at = Vec2::from(chart.tile_origin_m) + chart.displacement(z);
+                let bent = Vec2::new(patterns.at(9.0, 0.1) - 0.5, patterns.at(9.0, 0.6) - 0.5) * STREETS_M;
+                let at = Vec2::from(chart.tile_origin_m) + chart.displacement(z) + bent;
                 seen += lamps(at, &patterns) * (ground.city_luminance * mean);
             }
         }
@@ -230,12 +233,12 @@ fn lamps_of(place_m: Vec2, octave: f32) -> Vec3 {
     let lot = (cell.as_ivec2() & IVec2::splat(period - 1)).as_uvec2() + UVec2::new(octave as u32 * 4_096, 77);
     let jitter = hash2(lot);
     let kind = hash2(lot + 8_191);
-    let away = at - cell - Vec2::splat(0.5) - (jitter - Vec2::splat(0.5)) * 0.5;
+    let away = at - cell - Vec2::splat(0.5) - (jitter - Vec2::splat(0.5)) * 0.55;
     // Gaussian spots whose mean over the cell is 1; brighter and fainter ones, warmer and whiter ones.
     let spot = (-away.length_squared() * (1.0 / (LAMP_SPREAD * LAMP_SPREAD))).exp() / (PI * LAMP_SPREAD * LAMP_SPREAD);
     let bright = 2.5 * kind.x * kind.x + 0.167;
     // The larger the cell the more lamps it stands for, the less they differ.
-    let rough = 1.0 / (1.0 + 0.35 * octave);
+    let rough = 0.85 / (1.0 + 0.35 * octave);
     let colour = Vec3::new(1.0, 0.66, 0.34).lerp(Vec3::new(0.95, 0.86, 0.72), kind.y);
     colour * (1.0 + (spot * bright - 1.0) * rough)
 }

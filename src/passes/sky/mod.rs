@@ -5,6 +5,7 @@
 
 pub mod atmosphere;
 mod inscatter;
+pub mod lamps;
 pub mod multiple;
 pub mod stars;
 pub mod table;

@@ -7,6 +7,7 @@
 //! *How we read it back.* Bilinear; a margin round the discs repeats the rim.
 
 use super::atmosphere::{Air, Luminary};
+use super::lamps::{CityLamps, MOST};
 use super::multiple::HigherOrders;
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
@@ -31,6 +32,8 @@ pub struct TableParams {
     pub lights: [Luminary; 2],
     /// Luminance that the sky has without sun and moon (airglow and starlight), cd/m2.
     pub night_luminance: f32,
+    /// Cities whose light the air scatters; those of radius 0 are none.
+    pub cities: [CityLamps; MOST],
     /// Factor from stored values to cd/m2, a power of two.
     pub scale: f32,
 }
@@ -48,6 +51,7 @@ pub fn build(params: &TableParams) -> Vec<Texel> {
     let higher = HigherOrders::of(&air);
     let lights: Vec<Luminary> =
         params.lights.iter().filter(|l| l.illuminance_lux.max_element() > 0.0).copied().collect();
+    let cities: Vec<CityLamps> = params.cities.iter().filter(|city| city.radius_m > 0.0).copied().collect();
     (0..2 * WIDTH * WIDTH)
         .into_par_iter()
         .map(|i| {
@@ -58,7 +62,8 @@ pub fn build(params: &TableParams) -> Vec<Texel> {
             let (light, passed) = air.inscatter(&higher, params.eye_m, direction, &lights, 24);
             let passed = passed.dot(Vec3::new(0.2126, 0.7152, 0.0722));
             let night = params.night_luminance * (1.0 - 0.6 * passed) * Vec3::new(0.75, 0.9, 1.25);
-            let stored = ((light + night) / params.scale).min(Vec3::splat(60_000.0));
+            let lit = if cities.is_empty() { Vec3::ZERO } else { air.city_light(&cities, params.eye_m, direction) };
+            let stored = ((light + night + lit) / params.scale).min(Vec3::splat(60_000.0));
             Texel([stored.x, stored.y, stored.z, passed].map(f16::from_f32))
         })
         .collect()

@@ -23,6 +23,10 @@ pub trait Scene: Sync {
     fn stretch(&self, p: DVec3, d: DVec3, from: f64) -> Option<(f64, f64)>;
     /// Range at which a ray meets the ground, and the upward normal there.
     fn ground(&self, p: DVec3, d: DVec3) -> Option<(f64, DVec3)>;
+    /// Luminance of the ground by itself at a point of it, after a way of so many metres, cd/m2 per colour.
+    fn ground_luminance(&self, _at: DVec3, _way_m: f64) -> DVec3 {
+        DVec3::ZERO
+    }
 }
 
 /// Light and matter.
@@ -138,6 +142,7 @@ fn gather(scene: &impl Scene, around: &Surroundings, mut p: DVec3, mut d: DVec3,
             let Some((t, normal)) = ground else {
                 return (light + weight * around.sky_luminance, false);
             };
+            light += weight * scene.ground_luminance(p + d * t, t);
             weight *= around.ground_albedo;
             if weight == DVec3::ZERO {
                 return (light, false);
