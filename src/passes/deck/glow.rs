@@ -132,7 +132,7 @@ fn disc_lux(apart: f64, radius_m: f64, height_m: f64) -> f64 {
 /// What arrives at a height, of a texel's four: between them by the logarithm of the height. Twin of the same in `field.wgsl`.
 pub fn at_height(lux: Vec4, height_m: f32) -> f32 {
     let log_height = height_m.max(1.0).ln();
-    let share = (Vec3::splat(log_height) - Vec3::new(5.521_460_9, 6.907_755_3, 8.006_367_6))
+    let share = (Vec3::splat(log_height) - Vec3::new(5.521_461, 6.907_755_3, 8.006_368))
         * Vec3::new(0.721_347_5, 0.910_239_2, 0.910_239_2);
     let share = share.clamp(Vec3::ZERO, Vec3::ONE);
     let between = |a: f32, b: f32, share: f32| a + (b - a) * share;
