@@ -29,7 +29,7 @@ pub const SUBJECT: Subject = Subject {
     measure: cases,
 };
 
-const SIDE_PX: u32 = 6;
+const SIDE_PX: u32 = 16;
 const METRIC: &str = "relative difference of the mean luminance";
 const REFERENCE: &str = "Monte Carlo of the same density";
 /// Way over which haze takes the light of lamps to 1/e, as the glow's table has it.
@@ -116,7 +116,7 @@ impl Look {
             albedo: 1.0,
             phase: Phase::HenyeyGreenstein(0.85),
         };
-        let paths = run.pick(100, 2_000);
+        let paths = run.pick(30, 400);
         let eye = lit.deck.eye();
         let (truth, truth_s) = measure(1, || {
             let seen: Vec<_> = rays
