@@ -239,8 +239,9 @@ mod tests {
     #[test]
     fn the_table_is_near_the_integral_and_one_order_is_not_near_the_truth() {
         let scene = Scene::new(20.0, 50_000.0, 100.0);
+        // Away from the sun, where what goes on forwards is not taken for light scattered once.
         let directions =
-            [Vec3::new(0.5, 0.5, 0.7), Vec3::new(-0.8, 0.1, 0.3), Vec3::new(0.1, 0.9, 0.15)].map(Vec3::normalize);
+            [Vec3::new(0.5, -0.5, 0.7), Vec3::new(-0.8, -0.3, 0.3), Vec3::new(0.6, -0.7, 0.2)].map(Vec3::normalize);
         let higher = HigherOrders::of(&scene.air);
         let all = |higher: &HigherOrders| -> Vec<Vec3> {
             directions

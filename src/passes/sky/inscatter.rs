@@ -1,9 +1,18 @@
 //! Light that the air scatters towards the eye: the first order along the ray, the higher ones from [`super::multiple`].
+//!
+//! Haze scatters so much forwards that about half of it goes on as if nothing had happened: on its way to the point and from
+//! there to the eye light loses the rest alone (delta-M, Wiscombe 1977), while what the first order sends to the eye has the
+//! whole phase function (Nakajima and Tanaka 1988). By Beer's law with all of the haze a sky of 5 km visibility was 40 % too
+//! dark against Monte Carlo of all orders (`stormdeck report sky`); so it is 15 %
+//! too dark some 40 degrees from the sun and too bright next to it, 29 % on the mean.
 
 use super::atmosphere::{Air, HAZE_ALBEDO, HAZE_ASYMMETRY, Luminary, Medium, RAYLEIGH_PER_M, path};
 use super::multiple::HigherOrders;
 use crate::passes::common::{AIR_SCALE_M, HAZE_SCALE_M};
 use glam::Vec3;
+
+/// Share of the haze's extinction that goes on forwards: g^2 of what is scattered.
+const FORWARD: f32 = HAZE_ALBEDO * HAZE_ASYMMETRY * HAZE_ASYMMETRY;
 
 impl Air {
     /// Light scattered into a ray from a height, cd/m2 per colour, and the transmittance of the ray (to the ground or
@@ -17,7 +26,8 @@ impl Air {
         steps: u32,
     ) -> (Vec3, Vec3) {
         let [begin, end] = path(eye_m, direction.z).0;
-        let (mut light, mut passed) = (Vec3::ZERO, Vec3::ONE);
+        let scaled = Air { haze_per_m: self.haze_per_m * (1.0 - FORWARD) };
+        let (mut light, mut reaching, mut passed) = (Vec3::ZERO, Vec3::ONE, Vec3::ONE);
         let mut before = begin;
         for step in 0..steps {
             let share = (step + 1) as f32 / steps as f32;
@@ -27,20 +37,22 @@ impl Air {
             let height = Medium::along(eye_m, direction, direction, mid).height_m;
             let rayleigh = RAYLEIGH_PER_M * (-height / AIR_SCALE_M).exp();
             let haze = self.haze_per_m * (-height / HAZE_SCALE_M).exp();
-            let extinction = rayleigh + Vec3::splat(haze) + Medium::ozone_per_m(height);
+            let clear = rayleigh + Medium::ozone_per_m(height);
+            let extinction = clear + Vec3::splat((1.0 - FORWARD) * haze);
             let through = (-extinction * ds).exp();
             let mut source = Vec3::ZERO;
             for l in lights {
                 let up = Medium::along(eye_m, direction, l.direction, mid).up;
-                let lit = self.transmittance(height, up) * l.illuminance_lux;
+                let lit = scaled.transmittance(height, up) * l.illuminance_lux;
                 let cos = direction.dot(l.direction);
                 let single =
                     rayleigh * (0.059_683 * (1.0 + cos * cos)) + Vec3::splat(HAZE_ALBEDO * haze * haze_phase(cos));
                 let further = higher.luminance(height, up) * l.illuminance_lux;
-                source += lit * single + further * (rayleigh + Vec3::splat(HAZE_ALBEDO * haze));
+                source += lit * single + further * (rayleigh + Vec3::splat((HAZE_ALBEDO - FORWARD) * haze));
             }
-            light += passed * source * ((Vec3::ONE - through) / extinction.max(Vec3::splat(1e-12)));
-            passed *= through;
+            light += reaching * source * ((Vec3::ONE - through) / extinction.max(Vec3::splat(1e-12)));
+            reaching *= through;
+            passed *= (-(clear + Vec3::splat(haze)) * ds).exp();
         }
         (light, passed)
     }
