@@ -452,7 +452,7 @@ fn next_look(at: f32, least: f32, beyond: f32) -> f32 {
 
 // Whether a look that found cloud went further than one step.
 fn went_far(at: f32, least: f32, end: f32) -> bool {
-    return end - at > 1.001 * shortest_step(at, least);
+    return end - at > (1.0 + 3.0 * RUNG_ROUNDING) * shortest_step(at, least);
 }
 
 // How far beyond the shortest step a look that found no cloud may go.

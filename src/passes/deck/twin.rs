@@ -169,7 +169,7 @@ impl Ray<'_> {
             let end = t.min(steps.next_look(at, beyond));
             let far = self.look(prepared, end);
             // A long step that ends inside the cloud went too far: its edge is looked for.
-            if near < 0.0 && far > 0.0 && end - at > 1.001 * steps.shortest_m(at) {
+            if near < 0.0 && far > 0.0 && steps.is_long(at, end) {
                 beyond *= 0.4;
                 continue;
             }
@@ -258,6 +258,11 @@ impl Steps {
         (self.at_eye_m + self.growth * at).max(self.least_m)
     }
 
+    /// Whether a look went further than one step: from between two rungs one step reaches past the next by the rounding.
+    fn is_long(&self, at: f32, end: f32) -> bool {
+        end - at > (1.0 + 3.0 * RUNG_ROUNDING) * self.shortest_m(at)
+    }
+
     /// The range of the next look: the next rung, or the last one that surely lies outside the cloud, which is `beyond` away.
     /// Rungs are counted from the eye and not from where the ray enters a layer, which for a level ray moves by hundreds of
     /// metres when the eye rises by one.
@@ -319,6 +324,12 @@ mod tests {
         // Even steps only, even steps that begin to grow, growing ones only.
         for (at_eye_m, growth, least_m) in [(4.0, 0.004, 50.0), (37.0, 0.0126, 200.0), (37.0, 0.0126, 1.0)] {
             let steps = Steps { at_eye_m, growth, least_m };
+            // From anywhere, a step that nothing lengthens is not a long one: it would be taken back for ever.
+            for k in 0..20_000 {
+                let at = 1.37 * k as f32;
+                let end = steps.next_look(at, 0.0);
+                assert!(end > at && !steps.is_long(at, end), "{at}: {end}");
+            }
             for begin in [0.0f32, 800.0, 12_345.0] {
                 let rungs: Vec<f32> =
                     std::iter::successors(Some(begin), |at| Some(steps.next_look(*at, 0.0))).take(60).collect();
