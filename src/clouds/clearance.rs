@@ -9,8 +9,7 @@
 
 use super::CloudKind;
 use super::density::{self, DensityVolume, TILE_M};
-use rayon::prelude::*;
-use std::sync::{Arc, LazyLock, Mutex};
+use std::sync::{Arc, OnceLock};
 
 /// Cells east and north.
 pub const WIDTH: usize = 128;
@@ -30,11 +29,9 @@ const AREA: usize = WIDTH * WIDTH;
 /// The table of a genus at its usual thickness, made at first use and kept (1.5 MiB). A layer of another thickness may go as far
 /// where it is thicker, and less far by the ratio of both where it is thinner.
 pub fn of(kind: CloudKind) -> Arc<Vec<u8>> {
-    static KEPT: LazyLock<[Mutex<Option<Arc<Vec<u8>>>>; 10]> = LazyLock::new(|| std::array::from_fn(|_| Mutex::new(None)));
-    // First the shape, which is made on all threads: no lock is held meanwhile that these could wait for.
+    static KEPT: [OnceLock<Arc<Vec<u8>>>; 10] = [const { OnceLock::new() }; 10];
     let volume = DensityVolume::of(kind);
-    let mut kept = KEPT[kind.index()].lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    kept.get_or_insert_with(|| Arc::new(build(&volume.shape, kind.appearance().usual_thickness_m))).clone()
+    KEPT[kind.index()].get_or_init(|| Arc::new(build(&volume.shape, kind.appearance().usual_thickness_m))).clone()
 }
 
 /// The table of any shape values, for a layer of this thickness.
@@ -42,13 +39,13 @@ pub fn build(shape: &[u8], thickness_m: f32) -> Vec<u8> {
     let most = greatest(shape);
     let cell_height_m = thickness_m / HEIGHT as f32;
     let mut table = vec![0; AREA * HEIGHT * THETAS];
-    table.par_chunks_exact_mut(AREA * HEIGHT).enumerate().for_each(|(node, out)| {
+    for (node, out) in table.chunks_exact_mut(AREA * HEIGHT).enumerate() {
         let theta = node as f32 * THETA_STEP * 255.0;
         let occupied: Vec<f32> = most.iter().map(|v| if f32::from(*v) > theta { 0.0 } else { f32::INFINITY }).collect();
         for (byte, square) in out.iter_mut().zip(distances(occupied, cell_height_m)) {
             *byte = (square.sqrt() / UNIT_M).min(255.0) as u8;
         }
-    });
+    }
     table
 }
 
@@ -57,7 +54,6 @@ fn greatest(shape: &[u8]) -> Vec<u8> {
     const FINE: usize = density::WIDTH;
     let (ratio, rise) = (FINE / WIDTH, density::HEIGHT / HEIGHT);
     (0..AREA * HEIGHT)
-        .into_par_iter()
         .map(|i| {
             let [x, y, z] = [i % WIDTH * ratio, i / WIDTH % WIDTH * ratio, i / AREA * rise];
             let mut most = 0;
@@ -91,7 +87,11 @@ fn distances(mut field: Vec<f32>, cell_height_m: f32) -> Vec<f32> {
         for (y, row) in out.chunks_exact_mut(WIDTH).enumerate() {
             row.fill(f32::INFINITY);
             for dy in 0..=2 * REACH {
-                least(row, &plane[(y + dy + WIDTH - REACH) % WIDTH * WIDTH..][..WIDTH], gap(dy.abs_diff(REACH), CELL_M));
+                least(
+                    row,
+                    &plane[(y + dy + WIDTH - REACH) % WIDTH * WIDTH..][..WIDTH],
+                    gap(dy.abs_diff(REACH), CELL_M),
+                );
             }
         }
     }
@@ -148,7 +148,10 @@ mod tests {
                 by_hand(&most, node as f32 * THETA_STEP, from.map(|v| v as i32), thickness_m / HEIGHT as f32);
             // Rounded down to 8 m; both sum the same squares.
             let found = f32::from(stored) * UNIT_M;
-            assert!(found <= expected + 0.01 && found > expected - UNIT_M - 0.01, "{from:?} {node}: {found} {expected}");
+            assert!(
+                found <= expected + 0.01 && found > expected - UNIT_M - 0.01,
+                "{from:?} {node}: {found} {expected}"
+            );
             far += usize::from(found > 400.0);
         }
         assert!(far > 5, "some places are far from cloud");

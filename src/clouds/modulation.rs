@@ -27,6 +27,27 @@ pub fn coordinates(chart_m: Vec2) -> Vec2 {
     Vec2::new(c * chart_m.x - s * chart_m.y, s * chart_m.x + c * chart_m.y) / TILE_M
 }
 
+/// How much the map's value changes in a metre at most (a thousandth of all places is steeper).
+pub fn steepest_per_m() -> f32 {
+    static STEEPEST: LazyLock<f32> = LazyLock::new(|| {
+        let map = map();
+        let mut counts = [0u32; 512];
+        for i in 0..WIDTH * WIDTH {
+            let apart = |other: usize| i32::from(map[i]) - i32::from(map[other]);
+            let (east, north) = (apart(i / WIDTH * WIDTH + (i + 1) % WIDTH), apart((i + WIDTH) % (WIDTH * WIDTH)));
+            counts[((east * east + north * north) as f32).sqrt().ceil() as usize] += 1;
+        }
+        let mut rest = (WIDTH * WIDTH / 1000) as u32;
+        let mut step = 511;
+        while counts[step] <= rest {
+            rest -= counts[step];
+            step -= 1;
+        }
+        step as f32 / 255.0 * (WIDTH as f32 / TILE_M)
+    });
+    *STEEPEST
+}
+
 fn build() -> Vec<u8> {
     let mut values: Vec<(f32, u32)> = (0..(WIDTH * WIDTH) as u32)
         .into_par_iter()

@@ -83,7 +83,7 @@ impl Layouts {
                     volume,
                     volume,
                     volume,
-                    texture(D2, true),
+                    volume,
                     volume,
                     sampler,
                     texture(D2, true),

@@ -9,7 +9,7 @@ use super::relight::Fields;
 use super::textures::{empty, filled};
 use crate::clouds::density::{self, DensityVolume};
 use crate::clouds::{CloudKind, detail, modulation};
-use crate::passes::deck::field::{BOUNDS_WIDTH, column_bounds};
+use crate::passes::deck::field::{BOUNDS_WIDTH, empty_space};
 use crate::passes::deck::glow::{self, CityGlow, GlowWindow};
 use crate::passes::light::Light;
 use crate::passes::light::volume::Volume;
@@ -23,7 +23,7 @@ use std::collections::VecDeque;
 /// Light volumes kept at once (2 MiB for each theta in 8 bits), or as many as one picture needs.
 pub const VOLUMES_KEPT: usize = 4;
 
-/// A genus's shape values and their bounds by column.
+/// A genus's shape values, their bounds by column and the distances to the nearest cloud.
 #[derive(Clone)]
 pub struct Shape {
     pub values: wgpu::TextureView,
@@ -191,10 +191,10 @@ impl Resident {
     pub fn shape(&mut self, gpu: &Gpu, kind: CloudKind) -> Shape {
         let at = self.shapes.iter().position(|(k, _)| *k == kind).unwrap_or_else(|| {
             let shape = &DensityVolume::of(kind).shape;
-            let b = BOUNDS_WIDTH as u32;
+            let (b, table) = (BOUNDS_WIDTH as u32, empty_space(kind));
             let byte = wgpu::TextureFormat::R8Unorm;
             let values = shape_values(gpu, shape);
-            let bounds = filled(gpu, "bounds", byte, [b, b, 1], &column_bounds(shape));
+            let bounds = filled(gpu, "bounds", byte, [b, b, table.len() as u32 / (b * b)], &table);
             self.shapes.push_back((kind, Shape { values, bounds }));
             self.shapes.len() - 1
         });

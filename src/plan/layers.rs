@@ -6,7 +6,7 @@ use super::regions::NearRegion;
 use super::relight::Bare;
 use super::{LayerPlan, PassNote};
 use crate::clouds::coverage::Coverage;
-use crate::clouds::{density, detail, slices};
+use crate::clouds::{density, detail, modulation, slices};
 use crate::geo::charts::weights;
 use crate::passes::common::Chart;
 use crate::passes::deck::field::CLEAR;
@@ -24,6 +24,9 @@ const FARTHEST_M: f64 = 300_000.0;
 const FIRST_RING_M: f32 = 60.0;
 /// Radius of the last ring: what lies beyond is behind the haze for level rays.
 const LAST_RING_M: f32 = 150_000.0;
+
+/// Share of a distance in the tile that is one on the ground for certain: waves that move the tile and charts draw it out.
+const CLEAR_SHARE: f32 = 0.75;
 
 /// How far something at a height can be seen over the curved Earth.
 pub fn extent_m(eye: &Eye, height_m: f64) -> f64 {
@@ -150,8 +153,8 @@ impl Context<'_> {
             step_m: (1_200.0 / quality.slices as f32).max(4.0),
             hidden_below: OPAQUE,
             clear_below: CLEAR,
-            pad0: 0.0,
-            pad1: 0.0,
+            clear_share: CLEAR_SHARE * (state.thickness_m as f32 / look.usual_thickness_m).min(1.0),
+            theta_slope_per_m: threshold.patchiness * modulation::steepest_per_m(),
             light_low: nodes.theta(0),
             light_per_theta: 1.0 / nodes.step,
             light_nodes: nodes.count as f32,

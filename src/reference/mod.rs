@@ -8,7 +8,7 @@ mod shell;
 use crate::clouds::density::DensityVolume;
 use crate::clouds::{CloudKind, detail, modulation};
 use crate::frame::Pixels;
-use crate::passes::deck::field::{Textures, column_bounds};
+use crate::passes::deck::field::{Textures, empty_space};
 use crate::passes::deck::glow::{self, GlowWindow};
 use crate::passes::deck::twin::{OPAQUE, Prepared};
 use crate::passes::light::Light;
@@ -192,7 +192,7 @@ impl ReferenceExecutor {
     }
 
     fn bounds(&mut self, kind: CloudKind) -> Arc<Vec<u8>> {
-        keep(&mut self.bounds, kind, CloudKind::ALL.len(), || column_bounds(&DensityVolume::of(kind).shape))
+        keep(&mut self.bounds, kind, CloudKind::ALL.len(), || empty_space(kind))
     }
 }
 

@@ -59,7 +59,7 @@ fn opacities(plan: &FramePlan) -> Vec<f32> {
         .iter()
         .map(|layer| {
             let density = DensityVolume::of(layer.kind);
-            let bounds = column_bounds(&density.shape);
+            let bounds = crate::passes::deck::field::empty_space(layer.kind);
             (layer, density, bounds)
         })
         .collect();

@@ -117,17 +117,20 @@ fn deck_fragment(in: Passed) -> @location(0) vec4<f32> {
     var going = far_t > piece.x;
     var at = piece.x;
     var near = -1.0;
+    var beyond = 0.0;
     if going {
-        near = look(direction, at);
+        let first = look(direction, at, shortest_step(at, least));
+        near = first.margin;
+        beyond = first.beyond;
     }
     let view = view_of(direction);
-    var beyond = clear_reach(near);
     var light = vec3<f32>(0.0);
     var hidden = 0.0;
     var transmittance = 1.0;
     for (var i = 0u; going && i < MOST_LOOKS; i++) {
         let end = min(far_t, next_look(at, least, beyond));
-        let far = look(direction, end);
+        let found = look(direction, end, shortest_step(end, least));
+        let far = found.margin;
         if near < 0.0 && far > 0.0 && went_far(at, least, end) {
             // A long step that ends inside the cloud went too far: its edge is looked for.
             beyond *= RETREAT;
@@ -139,7 +142,7 @@ fn deck_fragment(in: Passed) -> @location(0) vec4<f32> {
             going = transmittance >= layer.hidden_below && end < far_t;
             near = far;
             at = end;
-            beyond = clear_reach(near);
+            beyond = found.beyond;
         }
     }
     return exposed(direction, light, hidden, 1.0 - transmittance);

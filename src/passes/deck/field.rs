@@ -2,7 +2,7 @@
 
 use super::glow::{CityGlow, SPACING_M, Texel, WIDTH, at_height, sample};
 use super::{DETAIL_FADE_M, FLASH_CAP_M, FLASH_COLOUR, Layer, Region};
-use crate::clouds::{density, detail, modulation};
+use crate::clouds::{CloudKind, clearance, density, detail, modulation};
 use crate::passes::common::{Chart, chart_weights, displacement, smoothstep, stereographic};
 use crate::passes::light::encoding::{Encoding, View, decode};
 use crate::passes::light::volume::Volume;
@@ -18,7 +18,8 @@ pub struct Textures<'a> {
     pub shape: &'a [u8],
     /// One light volume a chart in use.
     pub lights: &'a [&'a Volume],
-    /// Upper bounds of the shape value by column (see [`column_bounds`]).
+    /// Upper bounds of the shape value by column (see [`column_bounds`]); behind them, where looks go far at once, the table of
+    /// `clouds::clearance` (see [`empty_space`]).
     pub bounds: &'a [u8],
     /// The 2D modulation map.
     pub map: &'a [u8],
@@ -40,33 +41,55 @@ const ALONE: f32 = 0.999_9;
 /// on. Where there is certainly none, an upper bound. `p`: east, north, height over the tangent plane; `height_m` over the
 /// sphere; `t_m` its range from the eye.
 pub fn margin(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_m: f32, t_m: f32) -> f32 {
+    look(layer, textures, earth_m, p, height_m, t_m, f32::INFINITY).margin
+}
+
+/// What a look finds.
+#[derive(Clone, Copy, Debug)]
+pub struct Look {
+    /// As [`margin`] gives it; where cloud is further away than the next step, any value below 0.
+    pub margin: f32,
+    /// How far beyond the next step there is surely no cloud, or hardly any, m.
+    pub beyond_m: f32,
+}
+
+/// As [`margin`] for a walk whose next step is `step_m` long: where cloud is further away than that, nothing else is read.
+pub fn look(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_m: f32, t_m: f32, step_m: f32) -> Look {
     let radius = earth_m + height_m;
     let z = stereographic(p, earth_m, radius);
     let shift = region_shift(layer, z);
+    let found = |margin: f32| Look { margin, beyond_m: layer.reach_m * (-margin).max(0.0) };
     if shift >= 1.0 {
-        return -1.0;
+        return found(-1.0);
     }
     let share = (height_m - layer.base_m) / layer.thickness_m;
     let weights = chart_weights(&layer.chart, layer.charts, p + Vec3::new(0.0, 0.0, earth_m), radius);
     // Where one chart rules the column's bound tells most empty places before anything else is read.
     let bounded = weights.iter().any(|weight| *weight > ALONE);
-    let mut found = 0.0;
+    let mut sum = 0.0;
     for (chart, weight) in layer.chart.iter().zip(weights).filter(|(_, weight)| *weight > 0.0) {
         let moved = chart.displacement(z);
         let tile = chart.tile(moved);
         let most = bound(textures.bounds, tile) + 0.5 * layer.detail - layer.theta - shift;
         if bounded && most < layer.clear_below {
-            return most;
+            return found(most);
         }
         let map = Vec2::from(chart.map_origin) + modulation::coordinates(moved);
         let above = layer.patchiness * map_repeat(textures.map, modulation::WIDTH, map.x, map.y);
         if bounded && most - above < layer.clear_below {
-            return most - above;
+            return found(most - above);
+        }
+        // Where regions begin theta falls faster than by the map.
+        if bounded && weight > ALONE && shift == 0.0 {
+            let clear_m = clear_m(layer, textures.bounds, tile, share, layer.theta + above);
+            if clear_m > step_m {
+                return Look { margin: -1.0, beyond_m: clear_m - step_m };
+            }
         }
         let value = volume_byte(textures.shape, density::WIDTH, density::HEIGHT, false, [tile.x, tile.y, share]);
-        found += weight * (value - layer.theta - above - shift);
+        sum += weight * (value - layer.theta - above - shift);
     }
-    if t_m < DETAIL_FADE_M[1] && found.abs() < 0.5 * layer.detail + 1.0 / layer.inverse_edge {
+    if t_m < DETAIL_FADE_M[1] && sum.abs() < 0.5 * layer.detail + 1.0 / layer.inverse_edge {
         let fade = 1.0 - smoothstep(DETAIL_FADE_M[0], DETAIL_FADE_M[1], t_m);
         // In the first chart's axes, so that it stands on the ground while the eye moves.
         let moved = layer.chart[0].displacement(z);
@@ -76,9 +99,24 @@ pub fn margin(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_
             height_m / detail::TILE_M,
         ];
         let noise = volume_byte(textures.detail, detail::WIDTH, detail::WIDTH, true, q) - 0.5;
-        found += layer.detail * fade * noise;
+        sum += layer.detail * fade * noise;
     }
-    found
+    found(sum)
+}
+
+/// How far away the nearest cloud is at least, by the table behind the column bounds, m; 0 where it does not say.
+fn clear_m(layer: &Layer, bounds: &[u8], tile: Vec2, share: f32, theta: f32) -> f32 {
+    let lowered = theta - 0.5 * layer.detail;
+    // A theta some way below this one: it may fall by the difference before its distances are wrong.
+    let node = (lowered * (1.0 / clearance::THETA_STEP) - 0.5).floor().min((clearance::THETAS - 1) as f32);
+    if node < 0.0 || layer.clear_share == 0.0 {
+        return 0.0;
+    }
+    let height = ((share * clearance::HEIGHT as f32) as usize).min(clearance::HEIGHT - 1);
+    let at = BOUNDS_WIDTH * BOUNDS_WIDTH * (1 + height + clearance::HEIGHT * node as usize);
+    let Some(stored) = bounds.get(at + cell(tile)) else { return 0.0 };
+    let distance_m = f32::from(*stored) * (clearance::UNIT_M * layer.clear_share);
+    distance_m.min((lowered - node * clearance::THETA_STEP) / layer.theta_slope_per_m.max(1e-9))
 }
 
 /// Light as stored (see `light::encoding`) at a point of a layer and its height over the sphere, for the theta that rules
@@ -221,11 +259,23 @@ pub fn column_bounds(shape: &[u8]) -> Vec<u8> {
         .collect()
 }
 
+/// The bounds by column of a genus and behind them its distances to the nearest cloud.
+pub fn empty_space(kind: CloudKind) -> Vec<u8> {
+    let mut table = column_bounds(&density::DensityVolume::of(kind).shape);
+    table.extend_from_slice(&clearance::of(kind));
+    table
+}
+
 fn bound(bounds: &[u8], tile: Vec2) -> f32 {
-    let cell = |u: f32| {
+    f32::from(bounds[cell(tile)]) * (1.0 / 255.0)
+}
+
+/// The texel over a place of the tile.
+fn cell(tile: Vec2) -> usize {
+    let along = |u: f32| {
         let at = u * BOUNDS_WIDTH as f32;
         let low = at as i32 - i32::from((at as i32 as f32) > at);
         low as usize & (BOUNDS_WIDTH - 1)
     };
-    f32::from(bounds[cell(tile.x) + BOUNDS_WIDTH * cell(tile.y)]) * (1.0 / 255.0)
+    along(tile.x) + BOUNDS_WIDTH * along(tile.y)
 }

@@ -38,8 +38,8 @@ struct Layer {
     step_m: f32,
     hidden_below: f32,
     clear_below: f32,
-    pad0: f32,
-    pad1: f32,
+    clear_share: f32,
+    theta_slope_per_m: f32,
     light_low: f32,
     light_per_theta: f32,
     light_nodes: f32,
@@ -84,6 +84,10 @@ const MOST_LOOKS: u32 = 192u;
 const STEP_PIXELS: f32 = 3.5;
 const STEP_GROWTH: vec2<f32> = vec2<f32>(0.004, 0.025);
 const RETREAT: f32 = 0.4;
+const CLEAR_HEIGHT: f32 = 8.0;
+const CLEAR_THETAS: f32 = 12.0;
+const CLEAR_THETA_STEP: f32 = 0.08;
+const CLEAR_UNIT_M: f32 = 8.0;
 const RUNG_ROUNDING: f32 = 0.01;
 const HALVINGS: u32 = 10u;
 const ALONE: f32 = 0.9999;
@@ -96,7 +100,8 @@ const PER_STERADIAN: f32 = 0.07957747;
 @group(1) @binding(2) var light0: texture_3d<f32>;
 @group(1) @binding(3) var light1: texture_3d<f32>;
 @group(1) @binding(4) var light2: texture_3d<f32>;
-@group(1) @binding(5) var bounds: texture_2d<f32>;
+// Bounds of the columns; above them distances to the nearest cloud, as in clouds::clearance.
+@group(1) @binding(5) var bounds: texture_3d<f32>;
 @group(1) @binding(6) var detail: texture_3d<f32>;
 @group(1) @binding(7) var tiled: sampler;
 // The map of shade by higher layers.
@@ -171,9 +176,26 @@ fn chart_light(chart: u32, z: vec2<f32>, share: f32, shift: f32) -> vec4<f32> {
     return found;
 }
 
+fn cell_of(tile: vec2<f32>) -> vec2<u32> {
+    return vec2<u32>((tile - floor(tile)) * 128.0) & vec2<u32>(127u);
+}
+
 fn bound_at(tile: vec2<f32>) -> f32 {
-    let cell = vec2<u32>((tile - floor(tile)) * 128.0) & vec2<u32>(127u);
-    return textureLoad(bounds, cell, 0).r;
+    return textureLoad(bounds, vec3<u32>(cell_of(tile), 0u), 0).r;
+}
+
+// How far away the nearest cloud is at least; 0 where the table does not say.
+fn clear_m(tile: vec2<f32>, share: f32, theta: f32) -> f32 {
+    let lowered = theta - 0.5 * layer.detail;
+    // A theta some way below this one: it may fall by the difference before its distances are wrong.
+    let node = min(floor(lowered * (1.0 / CLEAR_THETA_STEP) - 0.5), CLEAR_THETAS - 1.0);
+    if node < 0.0 || layer.clear_share == 0.0 {
+        return 0.0;
+    }
+    let height = clamp(floor(share * CLEAR_HEIGHT), 0.0, CLEAR_HEIGHT - 1.0);
+    let at = vec3<u32>(cell_of(tile), u32(1.0 + height + CLEAR_HEIGHT * node));
+    let distance = textureLoad(bounds, at, 0).r * (255.0 * CLEAR_UNIT_M * layer.clear_share);
+    return min(distance, (lowered - node * CLEAR_THETA_STEP) / max(layer.theta_slope_per_m, 1e-9));
 }
 
 fn fine(z: vec2<f32>, height: f32, t: f32) -> f32 {
@@ -210,23 +232,44 @@ fn raised_at(chart: u32, moved: vec2<f32>) -> f32 {
     return layer.patchiness * textureSampleLevel(map, repeated, layer.chart[chart].map_origin + map_coordinates(moved), 0.0).r;
 }
 
-// The margin by one chart, `alone` where no other has weight: then an upper bound where there is certainly no cloud.
-fn margin_by(chart: u32, z: vec2<f32>, share: f32, shift: f32, alone: bool) -> f32 {
-    let moved = displacement(layer.chart[chart].a, layer.chart[chart].c, z);
-    let tile = tile_at(chart, moved);
-    var margin = bound_at(tile) + 0.5 * layer.detail - layer.theta - shift;
-    if margin >= layer.clear_below || !alone {
-        let raised = raised_at(chart, moved);
-        margin -= raised;
-        if margin >= layer.clear_below || !alone {
-            margin = shape_at(vec3<f32>(tile, share)) - (layer.theta + raised + shift);
-        }
-    }
-    return margin;
+// What a look finds: the margin of the shape value over theta, cloud where positive (where there is certainly none, any value
+// below 0), and how far beyond the next step there is surely no cloud, or hardly any.
+struct Look {
+    margin: f32,
+    beyond: f32,
 }
 
-// The margin of the shape value over theta: cloud where positive. Where there is certainly none, an upper bound.
-fn look(direction: vec3<f32>, t: f32) -> f32 {
+// A look by one chart, `alone` where no other has weight: then an upper bound where there is certainly no cloud, and `clear`
+// where it is further away than a step.
+struct Found {
+    margin: f32,
+    clear: f32,
+}
+
+fn found_by(chart: u32, z: vec2<f32>, share: f32, shift: f32, alone: bool, step: f32) -> Found {
+    let moved = displacement(layer.chart[chart].a, layer.chart[chart].c, z);
+    let tile = tile_at(chart, moved);
+    var found = Found(bound_at(tile) + 0.5 * layer.detail - layer.theta - shift, 0.0);
+    if found.margin >= layer.clear_below || !alone {
+        let raised = raised_at(chart, moved);
+        found.margin -= raised;
+        if found.margin >= layer.clear_below || !alone {
+            // Where regions begin theta falls faster than by the map.
+            if alone && shift == 0.0 {
+                found.clear = clear_m(tile, share, layer.theta + raised);
+            }
+            if found.clear > step {
+                found.margin = -1.0;
+            } else {
+                found = Found(shape_at(vec3<f32>(tile, share)) - (layer.theta + raised + shift), 0.0);
+            }
+        }
+    }
+    return found;
+}
+
+// A look whose next step is `step` long: where cloud is further away than that, nothing else is read.
+fn look(direction: vec3<f32>, t: f32, step: f32) -> Look {
     let p = direction * t + vec3<f32>(0.0, 0.0, camera.eye_m);
     let height = height_at(direction.z, t);
     let radius = camera.earth_m + height;
@@ -235,30 +278,41 @@ fn look(direction: vec3<f32>, t: f32) -> f32 {
     if REGIONS {
         shift = region_shift(z);
         if shift >= 1.0 {
-            return -1.0;
+            return Look(-1.0, layer.reach_m);
         }
     }
     let share = (height - layer.base_m) / layer.thickness_m;
-    var found = 0.0;
+    var sum = 0.0;
+    var clear = 0.0;
     if SEVERAL_CHARTS {
         let weights = chart_weights((p + vec3<f32>(0.0, 0.0, camera.earth_m)) / radius);
-        let alone = max(weights.x, max(weights.y, weights.z)) > ALONE;
         if weights.x > 0.0 {
-            found += weights.x * margin_by(0u, z, share, shift, alone);
+            let found = found_by(0u, z, share, shift, weights.x > ALONE, step);
+            sum += weights.x * found.margin;
+            clear += found.clear;
         }
         if weights.y > 0.0 {
-            found += weights.y * margin_by(1u, z, share, shift, alone);
+            let found = found_by(1u, z, share, shift, weights.y > ALONE, step);
+            sum += weights.y * found.margin;
+            clear += found.clear;
         }
         if weights.z > 0.0 {
-            found += weights.z * margin_by(2u, z, share, shift, alone);
+            let found = found_by(2u, z, share, shift, weights.z > ALONE, step);
+            sum += weights.z * found.margin;
+            clear += found.clear;
         }
     } else {
-        found = margin_by(0u, z, share, shift, true);
+        let found = found_by(0u, z, share, shift, true, step);
+        sum = found.margin;
+        clear = found.clear;
     }
-    if near_edge(found, t) {
-        found += fine(z, height, t);
+    if clear > step {
+        return Look(-1.0, clear - step);
     }
-    return found;
+    if near_edge(sum, t) {
+        sum += fine(z, height, t);
+    }
+    return Look(sum, layer.reach_m * max(-sum, 0.0));
 }
 
 // Light as stored at a point and its height, for the theta that rules there.
@@ -453,11 +507,6 @@ fn next_look(at: f32, least: f32, beyond: f32) -> f32 {
 // Whether a look that found cloud went further than one step.
 fn went_far(at: f32, least: f32, end: f32) -> bool {
     return end - at > (1.0 + 3.0 * RUNG_ROUNDING) * shortest_step(at, least);
-}
-
-// How far beyond the shortest step a look that found no cloud may go.
-fn clear_reach(margin: f32) -> f32 {
-    return layer.reach_m * max(-margin, 0.0);
 }
 
 // The cloud between two looks at ranges `at` and `end`, which found the margins `near` and `far`.

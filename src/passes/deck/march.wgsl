@@ -129,21 +129,24 @@ fn deck_march(
     var piece = Piece(0.0, 0.0, 0.0);
     var least = 0.0;
     var near = -1.0;
+    var beyond = 0.0;
     if going {
         let first = log(max(at * leg.flat_share / layer.ring_first_m, 1e-6)) / log(layer.ring_ratio);
         piece.ring = max(ceil(first), 0.0);
         piece = next_piece(leg, at, piece);
         least = (piece.end - at) * (1.0 / f32(MOST_STEPS));
-        near = look(direction, at);
+        let begun = look(direction, at, shortest_step(at, least));
+        near = begun.margin;
+        beyond = begun.beyond;
     }
     let view = view_of(direction);
-    var beyond = clear_reach(near);
     var light = vec3<f32>(0.0);
     var hidden = 0.0;
     var looks = 0u;
     for (var i = 0u; going && i < LEG_LOOKS; i++) {
         let end = min(piece.end, next_look(at, least, beyond));
-        let far = look(direction, end);
+        let found = look(direction, end, shortest_step(end, least));
+        let far = found.margin;
         looks += 1u;
         if near < 0.0 && far > 0.0 && went_far(at, least, end) {
             // A long step that ends inside the cloud went too far: its edge is looked for.
@@ -155,12 +158,11 @@ fn deck_march(
             transmittance *= 1.0 - seen.alpha;
             near = far;
             at = end;
-            beyond = clear_reach(near);
+            beyond = found.beyond;
         }
         if at >= piece.end || looks >= MOST_LOOKS {
             at = piece.end;
             looks = 0u;
-            beyond = clear_reach(near);
             going = transmittance >= layer.hidden_below && at < leg.end;
             if going {
                 piece = next_piece(leg, at, piece);

@@ -110,10 +110,10 @@ pub struct Layer {
     pub hidden_below: f32,
     /// Bound of the margin below which a column is not looked into; below -0.2 no picture depends on it. Very low: all are.
     pub clear_below: f32,
-    /// Pads to 16 bytes.
-    pub pad0: f32,
-    /// Pads to 16 bytes.
-    pub pad1: f32,
+    /// Share of a tabulated distance to the nearest cloud that a look may go at once (see `clouds::clearance`); 0: none.
+    pub clear_share: f32,
+    /// How much theta falls in a metre at most.
+    pub theta_slope_per_m: f32,
     /// Theta of the light volumes' first node.
     pub light_low: f32,
     /// Nodes for each unit of theta.

@@ -1,6 +1,6 @@
 //! Twin of `march.wgsl` and `deck.wgsl`: walks the crossings of a ray with slices and rings from near to far.
 
-use super::field::{Textures, city_glow, light_at, margin, shown, source, view};
+use super::field::{Look, Textures, city_glow, light_at, look, shown, source, view};
 use super::spans::{Heights, Leg};
 use super::{FLASH_COLOUR, Layer, RING_SHARE, RING_SLICES};
 use crate::clouds::slices::shells;
@@ -161,13 +161,14 @@ impl Ray<'_> {
         if ds <= 0.0 {
             return;
         }
-        let mut near = piece.found.take().unwrap_or_else(|| self.look(prepared, piece.t));
-        let mut at = piece.t;
-        let mut beyond = layer.reach_m * (-near).max(0.0);
         let steps = Steps::new(self.camera, layer, ds);
+        let mut at = piece.t;
+        let first = piece.found.take().unwrap_or_else(|| self.look(prepared, at, steps.shortest_m(at)));
+        let (mut near, mut beyond) = (first.margin, first.beyond_m);
         for _ in 0..MOST_LOOKS {
             let end = t.min(steps.next_look(at, beyond));
-            let far = self.look(prepared, end);
+            let found = self.look(prepared, end, steps.shortest_m(end));
+            let far = found.margin;
             // A long step that ends inside the cloud went too far: its edge is looked for.
             if near < 0.0 && far > 0.0 && steps.is_long(at, end) {
                 beyond *= 0.4;
@@ -179,14 +180,13 @@ impl Ray<'_> {
                 let share = far.max(0.0) / (near.max(0.0) + far.max(0.0));
                 self.gather(prepared, at + (end - at) * share, (end - at) * whole, gathered);
             }
-            near = far;
+            (near, beyond) = (far, found.beyond_m);
             if gathered.transmittance < layer.hidden_below || end >= t {
                 break;
             }
             at = end;
-            beyond = layer.reach_m * (-near).max(0.0);
         }
-        *piece = End { t, found: Some(near) };
+        *piece = End { t, found: Some(Look { margin: near, beyond_m: beyond }) };
     }
 
     /// Whether rings carry the ray at a range.
@@ -197,10 +197,10 @@ impl Ray<'_> {
         rings_carry(layer, layer.spacing_m / sine, t, t * self.flat)
     }
 
-    fn look(&self, prepared: &Prepared, t: f32) -> f32 {
+    fn look(&self, prepared: &Prepared, t: f32, step_m: f32) -> Look {
         let p = self.direction * t + Vec3::new(0.0, 0.0, self.camera.eye_m);
         let height = self.camera.height_at(self.direction.z, t);
-        margin(prepared.layer, &prepared.textures, self.camera.earth_m, p, height, t)
+        look(prepared.layer, &prepared.textures, self.camera.earth_m, p, height, t, step_m)
     }
 
     /// Adds cloud of a given path length at full extinction, as it is lit at range `t`.
@@ -295,7 +295,7 @@ const HALVINGS: u32 = 10;
 /// Where a piece of the ray ended, and what was found there.
 struct End {
     t: f32,
-    found: Option<f32>,
+    found: Option<Look>,
 }
 
 /// Mean of clamp(m, 0, 1) while m runs evenly from `a` to `b` (pre-integration: a slab that cloud enters half-way

@@ -10,6 +10,9 @@ use crate::world::command::Exposure;
 use crate::world::snapshot::{FlashState, Snapshot};
 use glam::Vec3;
 
+/// Share of what is seen that faces the source: the flanks of clouds when the sun is low, which are then the brightest thing in
+/// the picture. By the level ground alone evenings were washed out.
+const FACING_METERED: f32 = 0.6;
 /// Share of a flash's light that the exposure answers to: a whole answer would turn the night black around it, none
 /// would leave a white picture without shape.
 const FLASH_METERED: f32 = 0.3;
@@ -28,7 +31,8 @@ pub fn ev100(asked: Exposure, at_eye: &Level, mu: f32, snapshot: &Snapshot, eye:
     match asked {
         Exposure::Ev100(ev) => ev as f32,
         Exposure::Automatic => {
-            let steady_lux = at_eye.direct_lux.y * (0.2 + 0.8 * mu) + at_eye.diffuse_lux.y;
+            let steady_lux =
+                at_eye.direct_lux.y * (FACING_METERED + (1.0 - FACING_METERED) * mu) + at_eye.diffuse_lux.y;
             automatic_ev(steady_lux + flash_lux(snapshot, eye))
         }
     }
@@ -51,7 +55,8 @@ fn flash_lux(snapshot: &Snapshot, eye: &Eye) -> f32 {
     snapshot.flashes.iter().map(at).sum()
 }
 
-/// Exposure value for an illuminance: like a camera's meter by day, lagging behind at night as eyes do.
+/// Exposure value for an illuminance: by day such that a cloud in full sun (an albedo of 0.8) is near white, lagging behind at
+/// night as eyes do.
 fn automatic_ev(lux: f32) -> f32 {
-    (14.6 + 0.82 * (lux.max(1e-6) / 1e5).log2()).clamp(-2.0, 15.5)
+    (14.25 + 0.80 * (lux.max(1e-6) / 1e5).log2()).clamp(-2.0, 15.5)
 }
