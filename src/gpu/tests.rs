@@ -10,6 +10,7 @@ use crate::clouds::CloudKind;
 use crate::frame::Pixels;
 use crate::geo::terrain::Terrain;
 use crate::passes::light::encoding::Encoding;
+use crate::passes::relight::Lighting;
 use crate::plan::executor::{Executor, Fault};
 use crate::plan::{FramePlan, Output, plan};
 use crate::reference::ReferenceExecutor;
@@ -64,7 +65,13 @@ impl Scene {
         if self.terrain {
             world.set_terrain(Terrain::procedural());
         }
-        world.set_quality(Quality { deck_scale: self.deck_scale, deck_form: self.form, ..world.peek(0.0).quality });
+        let relight = Lighting::Point;
+        world.set_quality(Quality {
+            deck_scale: self.deck_scale,
+            deck_form: self.form,
+            relight,
+            ..world.peek(0.0).quality
+        });
         let mut apply = |command| world.apply(command).map(|_| ()).expect("a command of a test");
         let (latitude_deg, longitude_deg) = (self.latitude_deg, self.longitude_deg);
         apply(Command::Ownship(Ownship {

@@ -18,7 +18,7 @@ use crate::passes::deck::{Layer, REGIONS, Region};
 use crate::passes::relight::cloud::too_thin;
 use crate::passes::relight::{FIELDS, Lighting, LitFlash, Placing, Point, Request};
 use crate::world::command::Exposure;
-use crate::world::snapshot::{FlashState, LayerState, OwnshipState, Snapshot, ViewState};
+use crate::world::snapshot::{FlashState, LayerState, OwnshipState, Snapshot, ViewState, WeatherState};
 use bytemuck::Zeroable;
 use glam::{DQuat, DVec3};
 use std::collections::BTreeMap;
@@ -197,6 +197,21 @@ fn request(snapshot: &Snapshot, part: &Part, method: Lighting) -> Option<Request
         method,
     };
     (!too_thin(&request)).then_some(request)
+}
+
+/// How far a flash lies behind the nearer of the faces of its cloud, m; 0 outside of clouds.
+pub fn depth_m(snapshot: &Snapshot, flash: &FlashState) -> f64 {
+    let regions = regions::near(snapshot, &below(flash), &mut Vec::new());
+    let around: f64 = regions.iter().map(|region| 1.0 - region.weight).product();
+    let weathers =
+        std::iter::once((&snapshot.weather, around)).chain(regions.iter().map(|r| (&r.state.weather, r.weight)));
+    let depth_of = |layer: &LayerState| {
+        let over_m = flash.position.altitude_m - layer.base_m;
+        layer.coverage * over_m.min(layer.thickness_m - over_m).max(0.0)
+    };
+    let depth =
+        |(weather, weight): (&WeatherState, f64)| weight * weather.layers.iter().map(depth_of).fold(0.0, f64::max);
+    weathers.map(depth).sum()
 }
 
 /// How much of the points' light starts near a layer: all of it inside, nothing beyond [`REACH_M`].

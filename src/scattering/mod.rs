@@ -18,6 +18,7 @@ pub mod relight;
 pub mod slab;
 pub mod walk;
 
+mod diffusion;
 mod operator;
 mod path;
 mod rays;

@@ -7,13 +7,15 @@
 //! light is reconstructed with the phase function as it is (`reconstruct`). *How we store it.* Per unit of extinction, so
 //! that it interpolates smoothly and is multiplied by a finer extinction once. *How we read it back.* [`Light::towards`].
 
+mod lone;
+
 use super::angles::Angles;
 use super::balance::{Energy, energies};
 use super::direct::{Direct, Rays};
 use super::krylov::{self, Holding, Method};
 use super::lanes::{LANES, Lanes};
 use super::medium::Medium;
-use super::operator::{Lone, Operator, Work};
+use super::operator::{Operator, Work};
 use super::phase::Phase;
 use super::reconstruct;
 use super::surface::Surface;
@@ -321,45 +323,6 @@ impl Solver {
             .collect();
         info.clamped = negative as f64 / (towards.len() * directs.len().max(1)) as f64;
         Ok((lights, info))
-    }
-
-    /// Light towards every direction (as [`Light::towards`]) of given direct light alone: the solution of [`Solver::scatter`]
-    /// in a fraction of its time where the cells' rows fill the lanes.
-    ///
-    /// # Errors
-    /// [`SolveError::NoConvergence`].
-    pub fn scatter_one(&self, direct: &Direct) -> Result<(Vec<f32>, Info), SolveError> {
-        let operator = &self.operator;
-        let Some(lone) = Lone::new(operator) else {
-            // Power counts for the energy alone, which nobody asks for here.
-            let (mut lights, info) = self.scatter(std::slice::from_ref(direct), &[0.0])?;
-            return Ok((lights.pop().map(|light| light.towards).unwrap_or_default(), info));
-        };
-        let mut work = lone.work();
-        let first = lone.moments(direct);
-        let mut b = vec![Lanes::ZERO; first.len()];
-        lone.apply(&first, Some(&operator.first(std::slice::from_ref(direct))), &mut work, &mut b);
-        let once = work.radiance.clone();
-        let mut x = b.clone();
-        let (tolerance, most) = (self.params.tolerance, self.params.most_sweeps);
-        let method = (self.method(), Holding::Cells);
-        let done = krylov::solve(|x, out| lone.apply(x, None, &mut work, out), &b, &mut x, method, tolerance, most);
-        let (residual, sweeps) = (done.residual, done.applications);
-        if !done.converged {
-            return Err(SolveError::NoConvergence { residual, tolerance, sweeps });
-        }
-        // Once more for the radiance itself.
-        lone.apply(&x, None, &mut work, &mut b);
-        add(&mut work.radiance, &once);
-        let mut towards = once;
-        reconstruct::diffuse(&self.shared.matrix, &work.radiance, self.medium.len() / LANES, &mut towards);
-        let albedo = self.params.albedo as f32;
-        let diffuse: &[f32] = bytemuck::cast_slice(&towards);
-        let total: Vec<f32> = diffuse.iter().zip(&direct.towards).map(|(d, s)| albedo * (d + s)).collect();
-        let negative = total.iter().filter(|value| **value < 0.0).count();
-        let clamped = negative as f64 / total.len() as f64;
-        let info = Info { method: done.method, sweeps: sweeps + 2, residual, clamped };
-        Ok((total.into_iter().map(|value| value.max(0.0)).collect(), info))
     }
 
     /// Light towards every direction (as [`Light::towards`]) from direct light and known moments of the diffuse radiance: one

@@ -51,7 +51,7 @@ pub const DEFAULT_QUALITY: Quality = Quality {
     deck_scale: 1,
     deck_form: DeckForm::Auto,
     light_encoding: Encoding::Shares8,
-    relight: Lighting::Point,
+    relight: Lighting::Solve,
 };
 
 /// The world.

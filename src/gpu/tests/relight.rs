@@ -1,7 +1,6 @@
 //! Light of flashes inside clouds against its twin: what fields add to a picture, alone; and shaders made wrong.
 
 use super::*;
-use crate::passes::relight::Lighting;
 
 /// A night under, in or above a layer with a strike to ground to the north; the eye looks there.
 #[derive(Clone, Copy)]

@@ -14,11 +14,13 @@ use std::sync::LazyLock;
 /// Asymmetry of water droplets in visible light.
 const ASYMMETRY: f64 = 0.85;
 
-/// How light is found: coarser than elsewhere, since the picture shows no thousandth.
+/// How light is found: coarser than elsewhere. At a residual of 3e-3, sped up by diffusion, cells a thousandth as bright as
+/// the brightest are right within some hundredths (decks of 300 and 800 m); without it far light comes last, and at 1e-2
+/// a deck was dark a kilometre from its flash.
 pub fn params() -> Params {
     Params {
         phase: Phase::HenyeyGreenstein(ASYMMETRY),
-        tolerance: 1e-2,
+        tolerance: 3e-3,
         rays: 1024,
         most_sweeps: 400,
         ..Params::default()

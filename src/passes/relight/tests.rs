@@ -161,27 +161,3 @@ fn each_field_is_solved_once_and_nobody_waits_while_running_free() {
     assert_eq!(again.lits.lit[0].intensity_cd, 5.0);
     assert!(matches!(store.fields(&[request], true)[..], [Found::Ready(Some(_))]));
 }
-
-#[test]
-#[ignore = "timing"]
-fn time_of_a_field() {
-    let points: Vec<Point> = (0..48)
-        .map(|i| Point {
-            position_m: [30.0 * (i as f32 * 7.0 % 11.0), 15.0 * i as f32, 100.0 * i as f32 * 0.3],
-            share: 1.0 / 48.0,
-        })
-        .collect();
-    for thick in [300.0, 600.0, 1500.0, 5000.0] {
-        let request = request(thick, 1.0, 0.04, points.clone());
-        for threads in [1, 2] {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-            pool.install(|| {
-                for _ in 0..3 {
-                    let t = std::time::Instant::now();
-                    let f = solve::field(&request).expect("field");
-                    println!("{thick} threads {threads}: {:?} {:?} {} pts", t.elapsed(), f.method, f.points.len());
-                }
-            });
-        }
-    }
-}

@@ -4,6 +4,7 @@
 //! eases because all that it follows eases: sun, weather, the transitions of regions, the eye's way through a layer.
 
 use super::super::eye::Eye;
+use super::super::relight::depth_m;
 use super::column::Level;
 use crate::passes::relight::Lighting;
 use crate::world::command::Exposure;
@@ -21,8 +22,10 @@ const FLASH_METERED: f32 = 0.3;
 const CLOUD_METERED: f32 = 0.045;
 const LIT_CLOUD_M: f32 = 3_000.0;
 /// The same where light is scattered many times in the cloud, which keeps it near the channel and sends all of it out: by
-/// eye, in pictures of overcast from 4 and 10 km.
+/// eye, in pictures of overcast from 4 and 10 km. Deeper in a cloud than [`NEAR_FACE_M`] less in proportion: the light comes
+/// out over more of its face, which calls for the square, but breaks out of gaps brighter.
 const SCATTERED_METERED: f32 = 0.5;
+const NEAR_FACE_M: f32 = 400.0;
 /// Beyond this distance storms count less and less, m: they fill less and less of the picture.
 const STORMS_COUNT_M: f32 = 60_000.0;
 
@@ -41,18 +44,20 @@ pub fn ev100(asked: Exposure, at_eye: &Level, mu: f32, snapshot: &Snapshot, eye:
 /// What the exposure answers to of the flashes of the shutter interval, lux: at the eye, clouds in between not counted, and on
 /// clouds beside them.
 fn flash_lux(snapshot: &Snapshot, eye: &Eye) -> f32 {
-    let metered = match snapshot.quality.relight {
+    let metered = |f: &FlashState| match snapshot.quality.relight {
         Lighting::Point | Lighting::Single => CLOUD_METERED,
-        Lighting::Solve | Lighting::Reference => SCATTERED_METERED,
+        Lighting::Solve | Lighting::Reference => {
+            SCATTERED_METERED * NEAR_FACE_M / (depth_m(snapshot, f) as f32).max(NEAR_FACE_M)
+        }
     };
     let at = |f: &FlashState| {
         let away_m = (eye.place(&f.position) - Vec3::new(0.0, 0.0, eye.height_m as f32)).length();
         let at_eye = FLASH_METERED / (away_m * away_m).max(1e6);
         let far = away_m / STORMS_COUNT_M;
-        let on_cloud = metered / (LIT_CLOUD_M * LIT_CLOUD_M) / (1.0 + far * far);
+        let on_cloud = metered(f) / (LIT_CLOUD_M * LIT_CLOUD_M) / (1.0 + far * far);
         f.intensity_cd as f32 * (at_eye + on_cloud)
     };
-    snapshot.flashes.iter().map(at).sum()
+    snapshot.flashes.iter().filter(|f| f.intensity_cd > 0.0).map(at).sum()
 }
 
 /// Exposure value for an illuminance: by day such that a cloud in full sun (an albedo of 0.8) is near white, lagging behind at
