@@ -39,6 +39,7 @@ struct Scene {
     region: bool,
     tower: bool,
     terrain: bool,
+    night: bool,
 }
 
 const BELOW: Scene = Scene {
@@ -53,11 +54,15 @@ const BELOW: Scene = Scene {
     region: false,
     tower: false,
     terrain: false,
+    night: false,
 };
 
 /// Over the Alps, looking down at them, clouds among the crests.
 const MOUNTAINS: Scene =
     Scene { terrain: true, latitude_deg: 46.45, altitude_m: 4500.0, pitch_deg: -14.0, coverage: 0.3, ..BELOW };
+
+/// Over Paris by night.
+const CITY: Scene = Scene { night: true, latitude_deg: 48.83, longitude_deg: 2.30, ..BELOW };
 
 impl Scene {
     fn plan(&self, output: Output) -> FramePlan {
@@ -85,8 +90,8 @@ impl Scene {
             host_frame: 1,
         }));
         // 2026-06-21T09:00:00Z: the sun stands about 46 degrees high in the south-east.
-        // A flash is to be seen: fourteen hours later it is night.
-        let utc_s = 1_782_032_400.0 + if self.strike { 14.0 * 3600.0 } else { 0.0 };
+        // A flash or lamps are to be seen: fourteen hours later it is night.
+        let utc_s = 1_782_032_400.0 + if self.strike || self.night { 14.0 * 3600.0 } else { 0.0 };
         apply(Command::Time(TimeEdit { utc_s: Some(utc_s), rate: Some(1.0) }));
         let layer = LayerSpec {
             kind: CloudKind::Cumulus,
@@ -317,11 +322,13 @@ fn a_wrong_shader_is_noticed() {
         ("shadow", "entry * (1.0 / 3.0)", "entry * 0.3"),
         ("ground", "ground_luminance(direction, t, passed)", "ground_luminance(direction, t, 1.0)"),
         ("sky", "found.rgb * sky.table_scale", "found.rgb * sky.table_scale * 1.05"),
+        ("march", "glow.strength * arrives", "glow.strength * (1.1 * arrives)"),
     ] {
         gpu.pipelines = broken(&gpu, module, right, wrong);
         let scene = match module {
             "shadow" => Scene { pitch_deg: -35.0, altitude_m: 900.0, ..BELOW },
             "relief" => MOUNTAINS,
+            "march" if right.contains("glow") => Scene { coverage: 1.0, ..CITY },
             "ground" if right.contains("passed") => Scene { pitch_deg: -35.0, altitude_m: 900.0, ..BELOW },
             "ground" => Scene { coverage: 0.0, pitch_deg: -50.0, ..BELOW },
             "sky" => Scene { coverage: 0.0, altitude_m: 9000.0, pitch_deg: 3.0, ..BELOW },
