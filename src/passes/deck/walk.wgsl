@@ -1,0 +1,101 @@
+// How a ray is walked in both forms of the deck: what carries it, how far a look may go, what a step adds. Stands behind
+// field.wgsl. Twin: twin.rs.
+
+// Whether rings carry the ray at a range; slabs carry what follows.
+fn carried(up: f32, flat_share: f32, t: f32) -> bool {
+    let r = camera.earth_m + camera.eye_m;
+    let sine = max(abs((r * up + t) / (camera.earth_m + height_at(up, t))), 1e-4);
+    let slice_ds = layer.spacing_m / sine;
+    return slice_ds > t * RING_SHARE + RING_SLICES * layer.spacing_m && t * flat_share < layer.ring_last_m;
+}
+
+// The range between two at which slabs take over from rings.
+fn switch_between(up: f32, flat_share: f32, near_t: f32, far_t: f32) -> f32 {
+    var near = near_t;
+    var far = far_t;
+    for (var i = 0u; i < HALVINGS; i++) {
+        let middle = 0.5 * (near + far);
+        if carried(up, flat_share, middle) {
+            near = middle;
+        } else {
+            far = middle;
+        }
+    }
+    return 0.5 * (near + far);
+}
+
+fn clamp_sum(m: f32) -> f32 {
+    let c = clamp(m, 0.0, 1.0);
+    return 0.5 * c * c + max(m - 1.0, 0.0);
+}
+
+// Mean of clamp(m, 0, 1) while m runs evenly from a to b.
+fn mean_clamped(a: f32, b: f32) -> f32 {
+    if abs(b - a) < 1e-4 {
+        return clamp(0.5 * (a + b), 0.0, 1.0);
+    }
+    return (clamp_sum(b) - clamp_sum(a)) / (b - a);
+}
+
+// What a step of the walk adds: light towards the eye as the air lets it pass, the share of it that the air hides, and
+// its opacity.
+struct Seen {
+    light: vec3<f32>,
+    hidden: f32,
+    alpha: f32,
+}
+
+fn step_growth() -> f32 {
+    return clamp(STEP_PIXELS * 2.0 * length(camera.up) / camera.height_px, STEP_GROWTH.x, STEP_GROWTH.y);
+}
+
+fn shortest_step(at: f32, least: f32) -> f32 {
+    return max(layer.step_m + step_growth() * at, least);
+}
+
+// The range of the next look: the next rung, or the last one that surely lies outside the cloud. Rungs are counted from
+// the eye, however many are left out and wherever the ray enters the layer.
+fn next_look(at: f32, least: f32, beyond: f32) -> f32 {
+    let growth = step_growth();
+    let origin = layer.step_m / growth;
+    // Steps are even up to the range at which they begin to grow, then a geometric series.
+    let grows = max((least - layer.step_m) / growth, 0.0);
+    let surely = at + shortest_step(at, least) + beyond;
+    if surely < grows {
+        return floor(surely / least + RUNG_ROUNDING) * least;
+    }
+    let octaves = log2(1.0 + growth);
+    let steps = floor(log2((surely + origin) / (grows + origin)) / octaves + RUNG_ROUNDING);
+    return (grows + origin) * exp2(steps * octaves) - origin;
+}
+
+// Whether a look that found cloud went further than one step.
+fn went_far(at: f32, least: f32, end: f32) -> bool {
+    return end - at > (1.0 + 3.0 * RUNG_ROUNDING) * shortest_step(at, least);
+}
+
+// The cloud between two looks at ranges `at` and `end`, which found the margins `near` and `far`.
+fn seen_between(view: View, near: f32, far: f32, at: f32, end: f32) -> Seen {
+    var seen = Seen(vec3<f32>(0.0), 0.0, 0.0);
+    let whole = mean_clamped(near * layer.inverse_edge, far * layer.inverse_edge);
+    if whole > 0.0 {
+        // Between the two ends, each by how deep it lies in the cloud.
+        let t = mix(at, end, max(far, 0.0) / (max(near, 0.0) + max(far, 0.0)));
+        let height = height_at(view.direction.z, t);
+        let p = view.direction * t + vec3<f32>(0.0, 0.0, camera.eye_m);
+        let passed = air_transmittance(height, t);
+        seen.alpha = 1.0 - exp(-layer.extinction_per_m * (end - at) * whole);
+        seen.light = source(light_at(p, height), view, p, height) * (passed * seen.alpha);
+        seen.hidden = (1.0 - passed) * seen.alpha;
+    }
+    return seen;
+}
+
+// Exposed light of the deck and of the air before it, and opacity.
+fn exposed(direction: vec3<f32>, gathered: vec3<f32>, hidden: f32, opacity: f32) -> vec4<f32> {
+    var light = gathered;
+    if hidden > 0.0 {
+        light += endless_air(air_along(direction)) * hidden;
+    }
+    return vec4<f32>(min(light * camera.exposure, vec3<f32>(BRIGHTEST)), opacity);
+}
