@@ -312,7 +312,8 @@ fn a_wrong_shader_is_noticed() {
     let mut gpu = gpu();
     for (module, right, wrong) in [
         ("march", "seen.light = source(", "seen.light = 1.1 * source("),
-        ("march", "1.0 - exp(-layer.extinction_per_m * (", "1.0 - exp(-0.7 * layer.extinction_per_m * ("),
+        ("march", "let depth = layer.extinction_per_m", "let depth = 0.7 * layer.extinction_per_m"),
+        ("march", "mix(at, end, seen_share(", "mix(at, end, 0.3 * seen_share("),
         ("march", "transmittance = 1.0 - nearer.a", "transmittance = 0.9 - nearer.a"),
         ("deck", "seen.light = source(", "seen.light = 1.1 * source("),
         ("cull", ".a < 1.0 - OPAQUE", ".a < -1.0"),

@@ -74,17 +74,28 @@ fn went_far(at: f32, least: f32, end: f32) -> bool {
     return end - at > (1.0 + 3.0 * RUNG_ROUNDING) * shortest_step(at, least);
 }
 
+// Where between two looks that which is seen of the cloud lies, as a share of the way: about a free path behind its edge,
+// however long the step is, so that the look that happens to find it does not show. Margins over the edge's width.
+fn seen_share(near: f32, far: f32, depth: f32) -> f32 {
+    let begin = clamp(-near / max(far - near, 1e-6), 0.0, 1.0);
+    let end = select(1.0, clamp(near / max(near - far, 1e-6), 0.0, 1.0), far < 0.0);
+    let n = clamp(near, 0.0, 1.0);
+    let f = clamp(far, 0.0, 1.0);
+    let middle = (n + 2.0 * f) / max(3.0 * (n + f), 1e-6);
+    return begin + (end - begin) * middle * inverseSqrt(1.0 + middle * middle * depth * depth);
+}
+
 // The cloud between two looks at ranges `at` and `end`, which found the margins `near` and `far`.
 fn seen_between(view: View, near: f32, far: f32, at: f32, end: f32) -> Seen {
     var seen = Seen(vec3<f32>(0.0), 0.0, 0.0);
     let whole = mean_clamped(near * layer.inverse_edge, far * layer.inverse_edge);
     if whole > 0.0 {
-        // Between the two ends, each by how deep it lies in the cloud.
-        let t = mix(at, end, max(far, 0.0) / (max(near, 0.0) + max(far, 0.0)));
+        let depth = layer.extinction_per_m * (end - at) * whole;
+        let t = mix(at, end, seen_share(near * layer.inverse_edge, far * layer.inverse_edge, depth));
         let height = height_at(view.direction.z, t);
         let p = view.direction * t + vec3<f32>(0.0, 0.0, camera.eye_m);
         let passed = air_transmittance(height, t);
-        seen.alpha = 1.0 - exp(-layer.extinction_per_m * (end - at) * whole);
+        seen.alpha = 1.0 - exp(-depth);
         seen.light = source(light_at(p, height), view, p, height) * (passed * seen.alpha);
         seen.hidden = (1.0 - passed) * seen.alpha;
     }
