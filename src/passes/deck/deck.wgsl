@@ -118,6 +118,8 @@ fn deck_fragment(in: Passed) -> @location(0) vec4<f32> {
     var at = piece.x;
     var near = -1.0;
     var beyond = 0.0;
+    // Where a straight line between two looks enters a cloud; 0: not known.
+    var edge = 0.0;
     if going {
         let first = look(direction, at, shortest_step(at, least));
         near = first.margin;
@@ -128,13 +130,18 @@ fn deck_fragment(in: Passed) -> @location(0) vec4<f32> {
     var hidden = 0.0;
     var transmittance = 1.0;
     for (var i = 0u; going && i < MOST_LOOKS; i++) {
-        let end = min(far_t, next_look(at, least, beyond));
+        let end = select(min(far_t, next_look(at, least, beyond)), edge, edge > at);
         let found = look(direction, end, shortest_step(end, least));
         let far = found.margin;
         if near < 0.0 && far > 0.0 && went_far(at, least, end) {
             // A long step that ends inside the cloud went too far: its edge is looked for.
             beyond *= RETREAT;
+        } else if near < 0.0 && far > 0.0 && edge == 0.0 {
+            // A step that enters a cloud ends at its edge first, or stripes would show where the looks stood.
+            edge = at + (end - at) * (near / (near - far));
         } else {
+            // Where it lies a little further than expected, once is enough.
+            edge = select(edge, 0.0, edge < end || far > 0.0);
             let seen = seen_between(view, near, far, at, end);
             light += seen.light * transmittance;
             hidden += seen.hidden * transmittance;

@@ -130,6 +130,8 @@ fn deck_march(
     var least = 0.0;
     var near = -1.0;
     var beyond = 0.0;
+    // Where a straight line between two looks enters a cloud; 0: not known.
+    var edge = 0.0;
     if going {
         let first = log(max(at * leg.flat_share / layer.ring_first_m, 1e-6)) / log(layer.ring_ratio);
         piece.ring = max(ceil(first), 0.0);
@@ -144,14 +146,19 @@ fn deck_march(
     var hidden = 0.0;
     var looks = 0u;
     for (var i = 0u; going && i < LEG_LOOKS; i++) {
-        let end = min(piece.end, next_look(at, least, beyond));
+        let end = select(min(piece.end, next_look(at, least, beyond)), edge, edge > at);
         let found = look(direction, end, shortest_step(end, least));
         let far = found.margin;
         looks += 1u;
         if near < 0.0 && far > 0.0 && went_far(at, least, end) {
             // A long step that ends inside the cloud went too far: its edge is looked for.
             beyond *= RETREAT;
+        } else if near < 0.0 && far > 0.0 && edge == 0.0 {
+            // A step that enters a cloud ends at its edge first, or stripes would show where the looks stood.
+            edge = at + (end - at) * (near / (near - far));
         } else {
+            // Where it lies a little further than expected, once is enough.
+            edge = select(edge, 0.0, edge < end || far > 0.0);
             let seen = seen_between(view, near, far, at, end);
             light += seen.light * transmittance;
             hidden += seen.hidden * transmittance;

@@ -165,14 +165,25 @@ impl Ray<'_> {
         let mut at = piece.t;
         let first = piece.found.take().unwrap_or_else(|| self.look(prepared, at, steps.shortest_m(at)));
         let (mut near, mut beyond) = (first.margin, first.beyond_m);
+        // Where a straight line between two looks enters a cloud; 0: not known.
+        let mut edge = 0.0;
         for _ in 0..MOST_LOOKS {
-            let end = t.min(steps.next_look(at, beyond));
+            let end = if edge > at { edge } else { t.min(steps.next_look(at, beyond)) };
             let found = self.look(prepared, end, steps.shortest_m(end));
             let far = found.margin;
             // A long step that ends inside the cloud went too far: its edge is looked for.
             if near < 0.0 && far > 0.0 && steps.is_long(at, end) {
                 beyond *= 0.4;
                 continue;
+            }
+            // A step that enters a cloud ends at its edge first, or stripes would show where the looks stood.
+            if near < 0.0 && far > 0.0 && edge == 0.0 {
+                edge = at + (end - at) * (near / (near - far));
+                continue;
+            }
+            // Where it lies a little further than expected, once is enough.
+            if edge < end || far > 0.0 {
+                edge = 0.0;
             }
             let ends = [near, far].map(|margin| margin * layer.inverse_edge);
             let whole = mean_clamped(ends[0], ends[1]);
