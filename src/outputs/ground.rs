@@ -19,6 +19,9 @@ const STEP_GROWTH: f64 = 0.001;
 const SAFE_SHARE: f64 = 0.7;
 /// Halvings of the step that went into the ground.
 const HALVINGS: u32 = 40;
+/// A point so near to the ground stands on it: positions are rounded to some nanometres on the way through ECEF, and heights
+/// that hosts were told to millimetres.
+pub const ON_GROUND_M: f64 = 0.05;
 /// A ray that has not met the ground so far has gone past it: more than the horizon of a space station.
 const FARTHEST_M: f64 = 3_000_000.0;
 
@@ -72,9 +75,10 @@ pub fn hit_m(terrain: &Terrain, from: DVec3, direction: DVec3, to_m: f64) -> Opt
     let altitude_m = from_ecef(from).altitude_m;
     let mut at_m = if altitude_m > HIGHEST_M { ellipsoid_hit_m(from, direction, HIGHEST_M)? } else { 0.0 };
     let mut clear_m = clearance_m(at_m).0;
-    if clear_m < 0.0 {
+    if clear_m < -ON_GROUND_M {
         return None;
     }
+    clear_m = clear_m.max(0.0);
     let end_m = to_m.min(at_m + FARTHEST_M);
     while at_m < end_m {
         let next_m = at_m + (SAFE_SHARE * clear_m).max(STEP_M + STEP_GROWTH * at_m);
@@ -122,6 +126,32 @@ mod tests {
 
     fn flat_hit_m(from: DVec3, direction: DVec3) -> Option<f64> {
         hit_m(&Terrain::ELLIPSOID, from, direction, f64::INFINITY)
+    }
+
+    #[test]
+    fn who_stands_on_the_ground_sees_mountains_as_who_stands_just_above_it() {
+        let terrain = Terrain::procedural();
+        let (mut hidden, mut open) = (0, 0);
+        for k in 0..40 {
+            let foot = at(46.2 + 0.02 * f64::from(k % 8), 7.5 + 0.05 * f64::from(k / 8), 0.0);
+            let foot = Geodetic { altitude_m: terrain.height_m(&foot), ..foot };
+            let azimuth = f64::from(k);
+            // Steeply enough not to graze the slope on which it stands.
+            let local = DVec3::new(0.97 * azimuth.sin(), 0.97 * azimuth.cos(), 0.243);
+            let direction = (enu(&foot) * local).normalize();
+            let seen = |above_m: f64| {
+                let from = Geodetic { altitude_m: foot.altitude_m + above_m, ..foot };
+                hit_m(&terrain, to_ecef(&from), direction, 100_000.0)
+            };
+            let (above, below) = (seen(1e-3), seen(-1e-3));
+            match (above, below) {
+                (Some(a), Some(b)) => assert!((a - b).abs() < 0.05 * a + 1.0, "{k}: {a} {b}"),
+                (None, None) => open += 1,
+                other => panic!("{k}: {other:?}"),
+            }
+            hidden += i32::from(above.is_some());
+        }
+        assert!(hidden > 3 && open > 3, "{hidden} {open}");
     }
 
     #[test]

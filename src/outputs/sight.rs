@@ -1,7 +1,7 @@
 //! Lines of sight: what a ray meets first, ground or cloud, and how much of the light comes through.
 
 use super::field::Field;
-use super::ground;
+use super::ground::{self, ON_GROUND_M};
 use crate::geo::Geodetic;
 use crate::geo::frames::enu;
 use crate::geo::wgs84::{from_ecef, to_ecef};
@@ -71,13 +71,17 @@ impl Ray {
 /// Follows a ray.
 pub fn sight(snapshot: &Snapshot, ray: &Ray) -> Sight {
     let origin = to_ecef(&ray.from);
-    let ground_m = ground::hit_m(&snapshot.terrain, origin, ray.direction, ray.to_m)
-        .filter(|hit_m| *hit_m >= ray.from_m && ray.ground);
+    // What is nearer than the range asked for hides nothing: the ground is looked for from there on. A point on the ground is
+    // not hidden by the ground that it stands on.
+    let from_m = ray.from_m.max(0.0);
+    let ground_m = ground::hit_m(&snapshot.terrain, origin + ray.direction * from_m, ray.direction, ray.to_m - from_m)
+        .map(|hit_m| from_m + hit_m)
+        .filter(|hit_m| ray.ground && *hit_m < ray.to_m - ON_GROUND_M);
     let end_m = ground_m.unwrap_or(f64::INFINITY).min(ray.to_m).max(0.0);
     let (cloud_m, opacity) = cloud(snapshot, ray, end_m);
     let (hider, range_m) = match (cloud_m, ground_m) {
         (Some(cloud_m), _) => (Some(Hider::Cloud), cloud_m),
-        (None, Some(ground_m)) if ground_m <= ray.to_m => (Some(Hider::Ground), ground_m),
+        (None, Some(ground_m)) => (Some(Hider::Ground), ground_m),
         _ => (None, ray.to_m),
     };
     Sight { hider, range_m, point: from_ecef(origin + ray.direction * range_m), opacity }

@@ -16,8 +16,15 @@ const GEODETIC_CRS: u32 = 2048;
 const GEOGRAPHIC: u32 = 2;
 /// `RASTER_TYPE` of samples that are points; else they are areas, which begin half a step earlier.
 const POINT: u32 = 2;
-/// WGS 84, and the national systems that lie within a metre or two of it: ETRS89, NAD83, and WGS 84 in three dimensions.
-const CLOSE_TO_WGS84: [u32; 4] = [4326, 4979, 4258, 4269];
+/// WGS 84, and the national systems that lie within a metre or two of it: ETRS89 and NAD83.
+const CLOSE_TO_WGS84: [u32; 3] = [4326, 4258, 4269];
+/// Units, where a file names them: degrees and metres.
+const ANGULAR_UNITS: (u32, u32) = (2054, 9102);
+const VERTICAL_UNITS: (u32, u32) = (4099, 9001);
+/// Samples of all tiles over those of the picture at most: tiles reach beyond its edges.
+const PADDING: u64 = 4;
+/// Heights of this planet's land, with room to spare; what lies beyond is a mark for a height that is not known.
+const LAND_M: std::ops::RangeInclusive<f64> = -1_000.0..=9_100.0;
 /// Longest value of a tag in bytes: the keys of a file have some hundreds.
 const TAG_BYTES: usize = 64 * 1024;
 
@@ -33,12 +40,14 @@ pub fn decode(bytes: &[u8]) -> Result<Grid, NoHeights> {
     let mut tiff = Decoder::new(Cursor::new(bytes)).map_err(failed)?.with_limits(limits);
     let (columns, rows) = tiff.dimensions().map_err(failed)?;
     check_size(columns as usize, rows as usize)?;
+    check_tiles([columns, rows], tiff.chunk_dimensions())?;
     let keys = Keys::of(&mut tiff)?;
     let (west_deg, north_deg, step_east_deg, step_south_deg) = place(&mut tiff, &keys)?;
     let void = void(&mut tiff);
     let height = |sample: f64| match void {
-        Some(void) if sample == void => f32::NAN,
-        _ if sample.abs() < 20_000.0 => sample as f32,
+        // The mark is written as text; in the file it has been rounded.
+        Some(void) if sample == void || sample == f64::from(void as f32) => f32::NAN,
+        _ if LAND_M.contains(&sample) => sample as f32,
         // No height on this planet: not known, whatever the file calls it.
         _ => f32::NAN,
     };
@@ -48,6 +57,17 @@ pub fn decode(bytes: &[u8]) -> Result<Grid, NoHeights> {
         return Err(wrong("the number of values", heights_m.len(), limit));
     }
     Ok(Grid { north_deg, west_deg, step_south_deg, step_east_deg, columns: columns as usize, heights_m })
+}
+
+/// Tiles are unpacked whole: a small picture must not have huge ones.
+fn check_tiles(picture: [u32; 2], (width, height): (u32, u32)) -> Result<(), NoHeights> {
+    let side = |length: u32, tile: u32| u64::from(length.div_ceil(tile.max(1))) * u64::from(tile);
+    let all = side(picture[0], width).saturating_mul(side(picture[1], height));
+    if width == 0 || height == 0 || all > PADDING * HEIGHT_SAMPLES as u64 {
+        let limit = format!("1 x 1 to {} samples in all tiles together", PADDING * HEIGHT_SAMPLES as u64);
+        return Err(wrong("the tiles' size", format!("{width} x {height}"), limit));
+    }
+    Ok(())
 }
 
 /// The keys that matter.
@@ -71,8 +91,13 @@ impl Keys {
             }
         }
         if let Some(crs) = key(GEODETIC_CRS).filter(|crs| !CLOSE_TO_WGS84.contains(crs)) {
-            let limit = "4326 (WGS 84), 4979, 4258 (ETRS89) or 4269 (NAD83)";
+            let limit = "4326 (WGS 84), 4258 (ETRS89) or 4269 (NAD83)";
             return Err(wrong("the coordinate system", format!("EPSG:{crs}"), limit));
+        }
+        for ((id, right), what) in [(ANGULAR_UNITS, "the unit of angles"), (VERTICAL_UNITS, "the unit of heights")] {
+            if let Some(unit) = key(id).filter(|unit| *unit != right) {
+                return Err(wrong(what, format!("EPSG:{unit}"), format!("{right} (degrees 9102, metres 9001)")));
+            }
         }
         Ok(Self { point: key(RASTER_TYPE) == Some(POINT) })
     }
@@ -97,7 +122,11 @@ fn place(tiff: &mut Tiff, keys: &Keys) -> Result<(f64, f64, f64, f64), NoHeights
     // A sample that is an area is tied at its corner; its height is that of its middle.
     let half = if keys.point { 0.0 } else { 0.5 };
     let west = tie[3] + (half - tie[0]) * east;
-    let north = tie[4] - (half - tie[1]) * south;
+    let mut north = tie[4] - (half - tie[1]) * south;
+    // A grid of the globe may miss the pole by rounding.
+    if north > 90.0 && north < 90.0 + 1e-6 {
+        north = 90.0;
+    }
     if !(-90.0..=90.0).contains(&north) || !(-360.0..=360.0).contains(&west) {
         return Err(wrong("the first height", format!("at {north} N {west} E"), "-90 to 90 N, -360 to 360 E"));
     }
@@ -132,4 +161,18 @@ fn heights(read: DecodingResult, height: impl Fn(f64) -> f32) -> Result<Vec<f32>
             ));
         }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn huge_tiles_of_small_pictures_are_refused() {
+        check_tiles([1_000, 700], (256, 256)).expect("usual tiles");
+        check_tiles([1_000, 700], (1_000, 1)).expect("strips");
+        for tiles in [(0x7fff_ffff, 1), (u32::MAX, u32::MAX), (0, 16), (16, 0)] {
+            assert!(check_tiles([2, 2], tiles).is_err(), "{tiles:?}");
+        }
+    }
 }
