@@ -124,9 +124,11 @@ fn cloud(snapshot: &Snapshot, ray: &Ray, end_m: f64) -> (Option<f64>, f64) {
 mod tests {
     use super::*;
     use crate::clouds::CloudKind;
+    use crate::geo::terrain::{Heights, Terrain};
     use crate::outputs::air::Air;
     use crate::outputs::conditions::conditions;
     use crate::plan::scenes::{clear_day, layer, place};
+    use std::sync::Arc;
 
     /// A closed deck of stratus, so dense that it is whole all through, and a ray straight up through it.
     fn overcast() -> (Snapshot, Geodetic) {
@@ -139,6 +141,44 @@ mod tests {
 
     fn up(from: &Geodetic) -> Ray {
         Ray { direction: enu(from).z_axis, ..Ray::between(*from, &Geodetic { altitude_m: 3_000.0, ..*from }) }
+    }
+
+    /// Two walls north of 47 degrees: 400 m high 3 km away and 3,000 m high 20 km away, each a kilometre thick.
+    #[derive(Debug)]
+    struct Walls;
+
+    impl Heights for Walls {
+        fn height_m(&self, latitude_rad: f64, _: f64, _: f64) -> f64 {
+            let north_m = (latitude_rad - 47f64.to_radians()) * 6_367_000.0;
+            let within = |begin_m: f64| (begin_m..begin_m + 1_000.0).contains(&north_m);
+            if within(3_000.0) { 400.0 } else { 3_000.0 * f64::from(u8::from(within(20_000.0))) }
+        }
+    }
+
+    #[test]
+    fn the_ground_is_looked_for_beyond_the_least_range_and_does_not_hide_what_stands_on_it() {
+        let snapshot = Snapshot { terrain: Terrain::of(Arc::new(Walls)), ..clear_day() };
+        let from = place(47.0, 8.0, 200.0);
+        let north = |from_m: f64| sight(&snapshot, &Ray::towards(from, 0.0, 0.001, from_m, 50_000.0));
+        // Steps of ten metres and more may end inside a wall; halving finds its face. A degree is not quite 111.13 km here.
+        for (from_m, wall_m) in [(0.0, 3_000.0), (2_000.0, 3_000.0), (5_000.0, 20_000.0)] {
+            let seen = north(from_m);
+            assert_eq!(seen.hider, Some(Hider::Ground), "{from_m}");
+            assert!((seen.range_m - wall_m).abs() < 0.003 * wall_m, "{from_m}: {}", seen.range_m);
+        }
+        assert_eq!(north(30_000.0).hider, None);
+        // Standing before the first wall, on its foot, on its top and behind it.
+        let hider = |latitude_m: f64, altitude_m: f64| {
+            let to = place(47.0 + (latitude_m / 6_367_000.0_f64).to_degrees(), 8.0, altitude_m);
+            sight(&snapshot, &Ray::between(from, &to)).hider
+        };
+        assert_eq!(hider(2_000.0, 0.0), None);
+        assert_eq!(hider(2_990.0, 0.0), None);
+        assert_eq!(hider(6_000.0, 0.0), Some(Hider::Ground));
+        // From the ground, by a thousandth of a millimetre below it: the wall still hides.
+        let foot = place(47.0, 8.0, -1e-6);
+        let behind = place(47.09, 8.0, 100.0);
+        assert_eq!(sight(&snapshot, &Ray::between(foot, &behind)).hider, Some(Hider::Ground));
     }
 
     #[test]
