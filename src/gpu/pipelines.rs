@@ -1,12 +1,14 @@
 //! The pipelines: one for each pass, and for the deck one for each combination of what a scene needs.
 
+mod state;
+
 use super::device::Gpu;
 use super::layouts::{Layouts, pipeline_layout};
-use super::targets::{DEPTH_FORMAT, PICTURE_FORMAT, STROKES_FORMAT};
-use crate::passes::deck::Instance;
+use super::targets::{PICTURE_FORMAT, STROKES_FORMAT};
 use crate::passes::ground::Ground;
 use crate::passes::light::encoding::Encoding;
 use crate::plan::FramePlan;
+use state::{added, compute, marked, multiplied, render, replaced, tested, under};
 use std::collections::HashMap;
 
 const COMMON: &str = include_str!("../passes/common.wgsl");
@@ -302,127 +304,4 @@ impl Pipelines {
             compute(gpu, "deck_march", &self.march_module, &self.march_pipeline_layout, options)
         })
     }
-}
-
-/// What is nearer is there already: new light comes through what the target's alpha still lets pass.
-fn under(format: wgpu::TextureFormat) -> wgpu::ColorTargetState {
-    let component = wgpu::BlendComponent {
-        src_factor: wgpu::BlendFactor::OneMinusDstAlpha,
-        dst_factor: wgpu::BlendFactor::One,
-        operation: wgpu::BlendOperation::Add,
-    };
-    let blend = Some(wgpu::BlendState { color: component, alpha: component });
-    wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL }
-}
-
-/// What was there is written over.
-fn replaced(format: wgpu::TextureFormat) -> wgpu::ColorTargetState {
-    wgpu::ColorTargetState { format, blend: None, write_mask: wgpu::ColorWrites::ALL }
-}
-
-/// Each layer passes a share of what the others have left.
-fn multiplied(format: wgpu::TextureFormat) -> wgpu::ColorTargetState {
-    let component = wgpu::BlendComponent {
-        src_factor: wgpu::BlendFactor::Dst,
-        dst_factor: wgpu::BlendFactor::Zero,
-        operation: wgpu::BlendOperation::Add,
-    };
-    let blend = Some(wgpu::BlendState { color: component, alpha: component });
-    wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL }
-}
-
-/// Light adds up.
-fn added(format: wgpu::TextureFormat) -> wgpu::ColorTargetState {
-    let component = wgpu::BlendComponent {
-        src_factor: wgpu::BlendFactor::One,
-        dst_factor: wgpu::BlendFactor::One,
-        operation: wgpu::BlendOperation::Add,
-    };
-    let blend = Some(wgpu::BlendState { color: component, alpha: component });
-    wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL }
-}
-
-/// Everything drawn lies at depth 0.5 and passes where nothing has been marked.
-fn tested() -> wgpu::DepthStencilState {
-    depth(false, wgpu::CompareFunction::LessEqual)
-}
-
-/// Marks opaque pixels at depth 0.
-fn marked() -> wgpu::DepthStencilState {
-    depth(true, wgpu::CompareFunction::Always)
-}
-
-fn depth(write: bool, compare: wgpu::CompareFunction) -> wgpu::DepthStencilState {
-    wgpu::DepthStencilState {
-        format: DEPTH_FORMAT,
-        depth_write_enabled: Some(write),
-        depth_compare: Some(compare),
-        stencil: Default::default(),
-        bias: Default::default(),
-    }
-}
-
-fn compute(
-    gpu: &Gpu,
-    entry: &str,
-    module: &wgpu::ShaderModule,
-    layout: &wgpu::PipelineLayout,
-    compilation_options: wgpu::PipelineCompilationOptions,
-) -> wgpu::ComputePipeline {
-    gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: Some(entry),
-        layout: Some(layout),
-        module,
-        entry_point: Some(entry),
-        compilation_options,
-        cache: None,
-    })
-}
-
-fn render(
-    gpu: &Gpu,
-    name: &str,
-    module: &wgpu::ShaderModule,
-    layout: &wgpu::PipelineLayout,
-    target: Option<wgpu::ColorTargetState>,
-    depth_stencil: Option<wgpu::DepthStencilState>,
-    constants: &[(&str, f64)],
-) -> wgpu::RenderPipeline {
-    let instances = wgpu::VertexBufferLayout {
-        array_stride: size_of::<Instance>() as u64,
-        step_mode: wgpu::VertexStepMode::Instance,
-        attributes: &wgpu::vertex_attr_array![0 => Uint32, 1 => Float32, 2 => Float32, 3 => Float32, 4 => Float32],
-    };
-    let instanced = name == "deck";
-    let buffers = [Some(instances)];
-    let compilation_options = wgpu::PipelineCompilationOptions { constants, ..Default::default() };
-    let targets: Vec<_> = target.into_iter().map(Some).collect();
-    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(name),
-        layout: Some(layout),
-        vertex: wgpu::VertexState {
-            module,
-            entry_point: Some(&format!("{name}_vertex")),
-            compilation_options: compilation_options.clone(),
-            buffers: &buffers[..usize::from(instanced)],
-        },
-        primitive: wgpu::PrimitiveState {
-            topology: if instanced {
-                wgpu::PrimitiveTopology::TriangleStrip
-            } else {
-                wgpu::PrimitiveTopology::TriangleList
-            },
-            ..Default::default()
-        },
-        depth_stencil,
-        multisample: Default::default(),
-        fragment: Some(wgpu::FragmentState {
-            module,
-            entry_point: Some(&format!("{name}_fragment")),
-            compilation_options,
-            targets: &targets,
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
 }

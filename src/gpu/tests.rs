@@ -6,146 +6,18 @@
 
 use super::GpuExecutor;
 use super::pipelines::{Pipelines, shaders};
-use crate::clouds::CloudKind;
 use crate::frame::Pixels;
-use crate::geo::terrain::Terrain;
 use crate::passes::light::encoding::Encoding;
-use crate::passes::relight::Lighting;
 use crate::plan::executor::{Executor, Fault};
-use crate::plan::{FramePlan, Output, plan};
+use crate::plan::{FramePlan, Output};
 use crate::reference::ReferenceExecutor;
-use crate::world::World;
-use crate::world::command::{
-    Command, FlashKind, LayerSpec, Ownship, Polarity, RegionShape, StrikeRequest, Strokes, TimeEdit, ViewEdit,
-    WeatherEdit,
-};
-use crate::world::snapshot::{DeckForm, Quality};
+use crate::world::snapshot::DeckForm;
+use scene::{BELOW, CITY, MOUNTAINS, Scene};
 use std::collections::HashMap;
 
 mod relight;
+mod scene;
 mod strokes;
-
-/// A scene, in the words of its commands.
-#[derive(Clone, Copy)]
-struct Scene {
-    coverage: f64,
-    altitude_m: f64,
-    pitch_deg: f64,
-    deck_scale: u32,
-    form: DeckForm,
-    latitude_deg: f64,
-    longitude_deg: f64,
-    strike: bool,
-    region: bool,
-    tower: bool,
-    terrain: bool,
-    night: bool,
-}
-
-const BELOW: Scene = Scene {
-    coverage: 0.5,
-    altitude_m: 500.0,
-    pitch_deg: 12.0,
-    deck_scale: 1,
-    form: DeckForm::Marched,
-    latitude_deg: 47.0,
-    longitude_deg: 8.0,
-    strike: false,
-    region: false,
-    tower: false,
-    terrain: false,
-    night: false,
-};
-
-/// Over the Alps, looking down at them, clouds among the crests.
-const MOUNTAINS: Scene =
-    Scene { terrain: true, latitude_deg: 46.45, altitude_m: 4500.0, pitch_deg: -14.0, coverage: 0.3, ..BELOW };
-
-/// Over Paris by night.
-const CITY: Scene = Scene { night: true, latitude_deg: 48.83, longitude_deg: 2.30, ..BELOW };
-
-impl Scene {
-    fn plan(&self, output: Output) -> FramePlan {
-        let mut world = World::new();
-        if self.terrain {
-            world.set_terrain(Terrain::procedural());
-        }
-        let relight = Lighting::Point;
-        world.set_quality(Quality {
-            deck_scale: self.deck_scale,
-            deck_form: self.form,
-            relight,
-            ..world.peek(0.0).quality
-        });
-        let mut apply = |command| world.apply(command).map(|_| ()).expect("a command of a test");
-        let (latitude_deg, longitude_deg) = (self.latitude_deg, self.longitude_deg);
-        apply(Command::Ownship(Ownship {
-            latitude_deg,
-            longitude_deg,
-            altitude_m: self.altitude_m,
-            yaw_deg: 150.0,
-            pitch_deg: self.pitch_deg,
-            roll_deg: 5.0,
-            velocity_ned_mps: None,
-            host_frame: 1,
-        }));
-        // 2026-06-21T09:00:00Z: the sun stands about 46 degrees high in the south-east.
-        // A flash or lamps are to be seen: fourteen hours later it is night.
-        let utc_s = 1_782_032_400.0 + if self.strike || self.night { 14.0 * 3600.0 } else { 0.0 };
-        apply(Command::Time(TimeEdit { utc_s: Some(utc_s), rate: Some(1.0) }));
-        let layer = LayerSpec {
-            kind: CloudKind::Cumulus,
-            base_m: 1000.0,
-            thickness_m: 1200.0,
-            coverage: self.coverage,
-            density: 1.0,
-            wind_speed_mps: 5.0,
-            wind_from_deg: 270.0,
-        };
-        apply(Command::Weather(WeatherEdit { layers: Some(vec![layer]), ..Default::default() }));
-        if self.region {
-            let shape = RegionShape {
-                name: "cell".into(),
-                latitude_deg: latitude_deg - 0.05,
-                longitude_deg: longitude_deg + 0.03,
-                size_east_m: 8_000.0,
-                size_north_m: 6_000.0,
-                corner_radius_m: 2_000.0,
-                rotation_deg: 30.0,
-                transition_m: 1_500.0,
-            };
-            // A tower rises through the surroundings' layer: each is cut at the other's base and top.
-            let (base_m, thickness_m) = if self.tower { (800.0, 3000.0) } else { (1000.0, 1200.0) };
-            let dense = LayerSpec { coverage: 1.0, kind: CloudKind::Nimbostratus, base_m, thickness_m, ..layer };
-            apply(Command::Weather(WeatherEdit {
-                region: Some(shape),
-                layers: Some(vec![dense]),
-                ..Default::default()
-            }));
-        }
-        if self.strike {
-            apply(Command::Strike(StrikeRequest {
-                latitude_deg: latitude_deg - 0.03,
-                longitude_deg: longitude_deg + 0.02,
-                altitude_m: Some(1500.0),
-                at_s: None,
-                kind: FlashKind::IntraCloud,
-                polarity: Polarity::Negative,
-                peak_current_ka: Some(30.0),
-                strokes: Strokes::Sample,
-                leader: false,
-                seed: 1,
-            }));
-        }
-        apply(Command::View(ViewEdit { name: "main".into(), size_px: Some([160, 90]), ..change() }));
-        let snapshot = world.snapshot(1.0 / 60.0);
-        plan(&snapshot, &snapshot.views[0], output)
-    }
-}
-
-fn change() -> ViewEdit {
-    ViewEdit { action: crate::world::command::ViewAction::Change, ..Default::default() }
-}
 
 fn gpu() -> GpuExecutor {
     GpuExecutor::new().expect("deploy/install-vulkan installs a software adapter")

@@ -1,9 +1,12 @@
 //! What the settings pin: defaults, every complaint at once, the token rule, the scenarios inside the binary.
 
+use super::file::defaults;
 use super::*;
 use crate::wire::control::out::SkyOut;
+use crate::wire::json::Rule;
 use crate::wire::json::parse;
 use crate::wire::scenario;
+use crate::wire::{limits, schema};
 use crate::world::World;
 use crate::world::command::{Command, ScenarioEdit};
 use std::sync::Arc;

@@ -1,6 +1,14 @@
 //! Light of flashes inside clouds against its twin: what fields add to a picture, alone; and shaders made wrong.
 
+use super::scene::change;
 use super::*;
+use crate::clouds::CloudKind;
+use crate::passes::relight::Lighting;
+use crate::plan::plan;
+use crate::world::World;
+use crate::world::command::{Command, FlashKind, LayerSpec, Ownship, StrikeRequest, ViewEdit, WeatherEdit};
+use crate::world::snapshot::Quality;
+use crate::world::testing::{CUMULUS, EYE, NIGHT, STRIKE};
 
 /// A night under, in or above a layer with a strike to ground to the north; the eye looks there.
 #[derive(Clone, Copy)]
@@ -21,25 +29,15 @@ impl Lit {
         let quality = Quality { relight: Lighting::Solve, deck_form: self.form, ..world.peek(0.0).quality };
         world.set_quality(quality);
         let mut apply = |command| world.apply(command).map(|_| ()).expect("a command of a test");
-        apply(Command::Ownship(Ownship {
-            latitude_deg: 47.0,
-            longitude_deg: 8.0,
-            altitude_m: self.eye_m,
-            yaw_deg: 3.0,
-            pitch_deg: self.pitch_deg,
-            roll_deg: 4.0,
-            velocity_ned_mps: None,
-            host_frame: 1,
-        }));
-        apply(Command::Time(TimeEdit { utc_s: Some(1_782_082_800.0), rate: Some(0.0) }));
+        let (altitude_m, pitch_deg) = (self.eye_m, self.pitch_deg);
+        apply(Command::Ownship(Ownship { altitude_m, yaw_deg: 3.0, pitch_deg, roll_deg: 4.0, ..EYE }));
+        apply(NIGHT);
         let layer = LayerSpec {
             kind: CloudKind::Stratocumulus,
-            base_m: 1000.0,
             thickness_m: 700.0,
             coverage: self.coverage,
             density: 0.7,
-            wind_speed_mps: 5.0,
-            wind_from_deg: 270.0,
+            ..CUMULUS
         };
         // A higher layer is lit by what comes out of the lower one.
         let high =
@@ -49,13 +47,8 @@ impl Lit {
             latitude_deg: 47.03,
             longitude_deg: 8.01,
             altitude_m: Some(1_400.0),
-            at_s: None,
             kind: self.kind,
-            polarity: Polarity::Negative,
-            peak_current_ka: Some(30.0),
-            strokes: Strokes::Sample,
-            leader: false,
-            seed: 3,
+            ..STRIKE
         }));
         apply(Command::View(ViewEdit { name: "main".into(), size_px: Some([160, 90]), ..change() }));
         let snapshot = world.snapshot(1.0 / 60.0);

@@ -1,6 +1,11 @@
 //! Lightning's passes against their twins: what strokes add to a picture, alone; and shaders made wrong.
 
+use super::scene::change;
 use super::*;
+use crate::plan::plan;
+use crate::world::World;
+use crate::world::command::{Command, FlashKind, LayerSpec, Ownship, StrikeRequest, ViewEdit, WeatherEdit};
+use crate::world::testing::{CUMULUS, EYE, NIGHT, STRIKE};
 
 /// A night under cumulus with a strike to ground to the north; the eye looks there.
 #[derive(Clone, Copy)]
@@ -27,26 +32,10 @@ impl Bolt {
     fn plan(&self) -> FramePlan {
         let mut world = World::new();
         let mut apply = |command| world.apply(command).map(|_| ()).expect("a command of a test");
-        apply(Command::Ownship(Ownship {
-            latitude_deg: 47.0,
-            longitude_deg: 8.0,
-            altitude_m: self.eye_m,
-            yaw_deg: 3.0,
-            pitch_deg: self.pitch_deg,
-            roll_deg: 4.0,
-            velocity_ned_mps: None,
-            host_frame: 1,
-        }));
-        apply(Command::Time(TimeEdit { utc_s: Some(1_782_082_800.0), rate: Some(0.0) }));
-        let layer = LayerSpec {
-            kind: CloudKind::Cumulus,
-            base_m: 1000.0,
-            thickness_m: 1500.0,
-            coverage: self.coverage,
-            density: 1.0,
-            wind_speed_mps: 5.0,
-            wind_from_deg: 270.0,
-        };
+        let (altitude_m, pitch_deg) = (self.eye_m, self.pitch_deg);
+        apply(Command::Ownship(Ownship { altitude_m, yaw_deg: 3.0, pitch_deg, roll_deg: 4.0, ..EYE }));
+        apply(NIGHT);
+        let layer = LayerSpec { thickness_m: 1500.0, coverage: self.coverage, ..CUMULUS };
         apply(Command::Weather(WeatherEdit {
             layers: Some(vec![layer]),
             visibility_m: Some(self.visibility_m),
@@ -54,15 +43,9 @@ impl Bolt {
         }));
         apply(Command::Strike(StrikeRequest {
             latitude_deg: 47.0 + self.away_deg,
-            longitude_deg: 8.0,
             altitude_m: Some(2_500.0),
-            at_s: None,
             kind: self.kind,
-            polarity: Polarity::Negative,
-            peak_current_ka: Some(30.0),
-            strokes: Strokes::Sample,
-            leader: false,
-            seed: 3,
+            ..STRIKE
         }));
         apply(Command::View(ViewEdit { name: "main".into(), size_px: Some([160, 90]), ..change() }));
         let snapshot = world.snapshot(1.0 / 60.0);

@@ -6,10 +6,10 @@ use crate::passes::relight::Lighting;
 use crate::plan::plan;
 use crate::world::World;
 use crate::world::command::{
-    Command, FlashKind, LayerSpec, Ownship, Polarity, StrikeRequest, StrokeSpec, Strokes, ViewAction, ViewEdit,
-    WeatherEdit,
+    Command, LayerSpec, Ownship, StrikeRequest, StrokeSpec, Strokes, ViewAction, ViewEdit, WeatherEdit,
 };
 use crate::world::snapshot::Quality;
+use crate::world::testing::{CUMULUS, EYE, STRIKE};
 use std::collections::BTreeSet;
 
 #[test]
@@ -17,35 +17,21 @@ fn a_flicker_of_twenty_frames_costs_as_many_fields_as_it_has_geometries() {
     let mut world = World::new();
     world.set_quality(Quality { relight: Lighting::Solve, ..world.peek(0.0).quality });
     let mut apply = |command| world.apply(command).map(|_| ()).expect("a command of a test");
-    apply(Command::Ownship(Ownship {
-        latitude_deg: 47.0,
-        longitude_deg: 8.0,
-        altitude_m: 600.0,
-        yaw_deg: 0.0,
-        pitch_deg: 10.0,
-        roll_deg: 0.0,
-        velocity_ned_mps: Some([90.0, 20.0, 0.0]),
-        host_frame: 1,
-    }));
+    apply(Command::Ownship(Ownship { pitch_deg: 10.0, velocity_ned_mps: Some([90.0, 20.0, 0.0]), ..EYE }));
     let layer = LayerSpec {
         kind: CloudKind::Stratocumulus,
-        base_m: 1000.0,
         thickness_m: 300.0,
         coverage: 1.0,
         density: 0.5,
         wind_speed_mps: 25.0,
         wind_from_deg: 240.0,
+        ..CUMULUS
     };
     apply(Command::Weather(WeatherEdit { layers: Some(vec![layer]), ..Default::default() }));
     let stroke =
         |delay_s, ground_point_m| StrokeSpec { delay_s, peak_current_ka: 20.0, continuing_s: None, ground_point_m };
     apply(Command::Strike(StrikeRequest {
-        latitude_deg: 47.02,
-        longitude_deg: 8.0,
         altitude_m: Some(1_200.0),
-        at_s: None,
-        kind: FlashKind::CloudToGround,
-        polarity: Polarity::Negative,
         peak_current_ka: None,
         // Two ground points: the first with its branches, then the channel alone; the second with its branches.
         strokes: Strokes::Given(vec![
@@ -54,8 +40,8 @@ fn a_flicker_of_twenty_frames_costs_as_many_fields_as_it_has_geometries() {
             stroke(0.12, Some([1_500.0, 0.0])),
             stroke(0.2, Some([0.0, 0.0])),
         ]),
-        leader: false,
         seed: 5,
+        ..STRIKE
     }));
     apply(Command::View(ViewEdit {
         action: ViewAction::Change,

@@ -1,36 +1,20 @@
 //! Pictures of a flash at three rates hold the same light.
 
 use super::*;
-use crate::lightning::flash::{FlashKind, Polarity, StrokeSpec};
+use crate::lightning::flash::StrokeSpec;
 use crate::world::World;
 use crate::world::command::{
-    Command, Exposure, LayerSpec, Ownship, StrikeRequest, Strokes, TimeEdit, ViewAction, ViewEdit, WeatherEdit,
+    Command, Exposure, LayerSpec, Ownship, StrikeRequest, Strokes, ViewAction, ViewEdit, WeatherEdit,
 };
+use crate::world::testing::{CUMULUS, EYE, NIGHT, STRIKE};
 
 /// A night 4 km south of where it strikes, under broken cumulus that stands still.
 fn night(strike: bool) -> World {
     let mut world = World::new();
     let mut apply = |command| world.apply(command).map(|_| ()).expect("a command of a test");
-    apply(Command::Ownship(Ownship {
-        latitude_deg: 47.0,
-        longitude_deg: 8.0,
-        altitude_m: 600.0,
-        yaw_deg: 0.0,
-        pitch_deg: 8.0,
-        roll_deg: 0.0,
-        velocity_ned_mps: None,
-        host_frame: 1,
-    }));
-    apply(Command::Time(TimeEdit { utc_s: Some(1_782_082_800.0), rate: Some(0.0) }));
-    let layer = LayerSpec {
-        kind: CloudKind::Cumulus,
-        base_m: 1_200.0,
-        thickness_m: 1_200.0,
-        coverage: 0.5,
-        density: 1.0,
-        wind_speed_mps: 0.0,
-        wind_from_deg: 0.0,
-    };
+    apply(Command::Ownship(Ownship { pitch_deg: 8.0, ..EYE }));
+    apply(NIGHT);
+    let layer = LayerSpec { base_m: 1_200.0, wind_speed_mps: 0.0, ..CUMULUS };
     apply(Command::Weather(WeatherEdit { layers: Some(vec![layer]), ..Default::default() }));
     apply(Command::View(ViewEdit {
         action: ViewAction::Change,
@@ -48,15 +32,10 @@ fn night(strike: bool) -> World {
         };
         apply(Command::Strike(StrikeRequest {
             latitude_deg: 47.036,
-            longitude_deg: 8.0,
-            altitude_m: None,
-            at_s: None,
-            kind: FlashKind::CloudToGround,
-            polarity: Polarity::Negative,
             peak_current_ka: None,
             strokes: Strokes::Given(vec![stroke(0.013, 30.0), stroke(0.061, 14.0)]),
-            leader: false,
             seed: 5,
+            ..STRIKE
         }));
     }
     world

@@ -19,6 +19,7 @@ use crate::passes::light::encoding::Encoding;
 use crate::plan::Output;
 use crate::reference::ReferenceExecutor;
 use crate::world::DEFAULT_QUALITY;
+use crate::world::command::LayerSpec;
 use crate::world::snapshot::Quality;
 use methods::{Drawer, methods};
 use truth::{Effort, Truth};
@@ -31,30 +32,43 @@ pub const SUBJECT: Subject = Subject {
     measure: cases,
 };
 
-/// Eye points: name, height, pitch. The layer lies from 1000 to 2200 m.
-const EYES: [(&str, f64, f64); 3] = [("under", 400.0, 14.0), ("in", 1_500.0, 2.0), ("above", 4_000.0, -16.0)];
+/// What is looked at: name, eye's height, pitch, genus, coverage, hours after the world's first noon. The layer lies from 1000 to
+/// 2200 m.
+const SIGHTS: [(&str, f64, f64, CloudKind, f64, f64); 5] = [
+    ("cumulus, half cover, eye under", 400.0, 14.0, CloudKind::Cumulus, 0.5, 0.0),
+    ("cumulus, half cover, eye in", 1_500.0, 2.0, CloudKind::Cumulus, 0.5, 0.0),
+    ("cumulus, half cover, eye above", 4_000.0, -16.0, CloudKind::Cumulus, 0.5, 0.0),
+    ("cumulus, half cover, eye above, low sun", 4_000.0, -16.0, CloudKind::Cumulus, 0.5, LOW_SUN_H),
+    ("stratocumulus, overcast, eye under", 400.0, 14.0, CloudKind::Stratocumulus, 1.0, 0.0),
+];
+/// From the first noon (UTC, June) until the sun stands low over 8 degrees east, in the west-north-west, behind the eye.
+const LOW_SUN_H: f64 = 6.25;
 /// FLIP that is drawn in the lightest colour.
 const LIGHTEST: f32 = 0.3;
 const CONVERGED: &str = "converged";
 const MONTE_CARLO: &str = "Monte Carlo";
 
 fn cases(run: &mut Run) -> Result<(), Stopped> {
-    for (name, altitude_m, pitch_deg) in EYES {
+    for (name, altitude_m, pitch_deg, kind, coverage, after_noon_h) in SIGHTS {
         let size_px = run.pick([64, 36], [128, 72]);
         let eye = EyePoint { altitude_m, pitch_deg, size_px, field_of_view_deg: 60.0 };
-        case(run, &format!("cumulus, half cover, eye {name}"), eye)?;
+        let layer = LayerSpec { coverage, ..scene::layer(kind, 1_000.0, 1_200.0) };
+        case(run, name, eye, layer, after_noon_h)?;
     }
     Ok(())
 }
 
-/// One eye point: the references, then every method against them.
-fn case(run: &mut Run, name: &str, eye: EyePoint) -> Result<(), Stopped> {
-    let layers = [scene::layer(CloudKind::Cumulus, 1_000.0, 1_200.0)];
-    let plan_for = |quality: Quality| scene::plan_of(&scene::snapshot(eye, &layers, quality)?, Output::LinearRgb);
+/// One sight: the references, then every method against them.
+fn case(run: &mut Run, name: &str, eye: EyePoint, layer: LayerSpec, after_noon_h: f64) -> Result<(), Stopped> {
+    let plan_for = |quality: Quality| {
+        let mut snapshot = scene::snapshot(eye, &[layer], quality)?;
+        snapshot.utc_s += 3600.0 * after_noon_h;
+        scene::plan_of(&snapshot, Output::LinearRgb)
+    };
     let plan = plan_for(Quality { deck_scale: 1, ..DEFAULT_QUALITY })?;
     let width = plan.size_px[0] as usize;
     let mut executor = ReferenceExecutor::new();
-    let effort = run.pick(Effort { stride: 4, paths: 12 }, Effort { stride: 4, paths: 48 });
+    let effort = run.pick(Effort { stride: 4, paths: 12 }, Effort { stride: 4, paths: 768 });
     // The references read light that is finer than any setting stores it.
     let fine = plan_for(Quality { deck_scale: 1, light_encoding: Encoding::Shares16, ..DEFAULT_QUALITY })?;
     let truth = Truth::new(&mut executor, &methods::with_thetas(&fine, Some(0.04)), effort)?;
@@ -126,7 +140,8 @@ mod tests {
             Ok(())
         };
         let eye = EyePoint { altitude_m: 400.0, pitch_deg: 14.0, size_px: [32, 18], field_of_view_deg: 60.0 };
-        case(&mut Run::new(true, &mut sink), "test", eye).expect("a case");
+        let layer = scene::layer(CloudKind::Cumulus, 1_000.0, 1_200.0);
+        case(&mut Run::new(true, &mut sink), "test", eye, layer, 0.0).expect("a case");
         assert_eq!(figures, 3);
         let error = |method: &str, param: &str, value: f64| {
             let wanted = |r: &&CaseResult| {
