@@ -2,7 +2,7 @@
 //! the deck; over coverage, slices, forms and executors. Groups are named by the adapter.
 //!
 //! All of it takes an hour on a machine without a graphics card. A filter runs a part, by executor and form, eye and scene:
-//! `cargo bench --bench deck -- 'Marched/above/90 km, coverage 0.4'`, `cargo bench --bench deck -- 'GPU.*32 slices'`.
+//! `cargo bench --bench deck -- 'Marched/above/90 km, cover 0.4'`, `cargo bench --bench deck -- 'GPU.*32 slices'`.
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
@@ -90,14 +90,17 @@ fn decks(criterion: &mut Criterion) {
         Err(fault) => eprintln!("not timed on the GPU: {fault}"),
     }
     for (executor, forms) in &mut executors {
-        let adapter = executor.describe().replace('/', "-");
+        // Criterion cuts names at some sixty characters: the adapter's own, without its driver's, and the scene have to fit.
+        eprintln!("{}", executor.describe());
+        let adapter: String = executor.describe().replace('/', "-").chars().take_while(|c| *c != '(').collect();
+        let adapter = adapter.replace("executor on ", "");
         for form in forms.iter() {
-            let mut group = criterion.benchmark_group(format!("{adapter}, {form:?}"));
+            let mut group = criterion.benchmark_group(format!("{}, {form:?}", adapter.trim()));
             group.sample_size(10).warm_up_time(Duration::from_millis(500)).measurement_time(Duration::from_secs(2));
             for scene in scenes(*form) {
                 let plan = plan_of(scene);
                 let Scene { eye, extent_m, coverage, slices, .. } = scene;
-                let name = format!("{:.0} km, coverage {coverage}, {slices} slices", extent_m / 1000.0);
+                let name = format!("{:.0} km, cover {coverage}, {slices} slices", extent_m / 1000.0);
                 group.bench_function(BenchmarkId::new(eye, name), |bencher| {
                     bencher.iter(|| {
                         executor.submit(1, black_box(&plan)).expect("submitted");
