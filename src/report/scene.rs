@@ -6,7 +6,7 @@ use crate::frame::Pixels;
 use crate::plan::{FramePlan, Output, plan};
 use crate::reference::ReferenceExecutor;
 use crate::world::World;
-use crate::world::command::{Command, LayerSpec, Ownship, WeatherEdit};
+use crate::world::command::{Command, LayerSpec, Ownship, TimeEdit, WeatherEdit};
 use crate::world::snapshot::{Quality, Snapshot};
 
 /// A layer of a genus at half cover and usual density, without wind.
@@ -45,6 +45,24 @@ pub fn snapshot_after(
     quality: Quality,
     after_s: f64,
 ) -> Result<Snapshot, Stopped> {
+    taken(eye, layers, quality, None, after_s)
+}
+
+/// The same at another time of day.
+///
+/// # Errors
+/// [`Stopped::Failed`]: the world refused a layer or the time.
+pub fn snapshot_at(eye: EyePoint, layers: &[LayerSpec], quality: Quality, utc_s: f64) -> Result<Snapshot, Stopped> {
+    taken(eye, layers, quality, Some(utc_s), 0.0)
+}
+
+fn taken(
+    eye: EyePoint,
+    layers: &[LayerSpec],
+    quality: Quality,
+    utc_s: Option<f64>,
+    after_s: f64,
+) -> Result<Snapshot, Stopped> {
     let mut world = World::new();
     world.set_quality(quality);
     let ownship = Ownship {
@@ -58,7 +76,8 @@ pub fn snapshot_after(
         host_frame: 0,
     };
     let weather = WeatherEdit { layers: Some(layers.to_vec()), ..Default::default() };
-    for command in [Command::Ownship(ownship), Command::Weather(weather)] {
+    let time = TimeEdit { utc_s, rate: None };
+    for command in [Command::Ownship(ownship), Command::Weather(weather), Command::Time(time)] {
         world.apply(command).map_err(|refused| Stopped::Failed(refused.to_string()))?;
     }
     world.advance_to(after_s);

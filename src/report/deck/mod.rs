@@ -32,39 +32,52 @@ pub const SUBJECT: Subject = Subject {
     measure: cases,
 };
 
-/// What is looked at: name, eye's height, pitch, genus, coverage, hours after the world's first noon. The layer lies from 1000 to
-/// 2200 m.
-const SIGHTS: [(&str, f64, f64, CloudKind, f64, f64); 5] = [
-    ("cumulus, half cover, eye under", 400.0, 14.0, CloudKind::Cumulus, 0.5, 0.0),
-    ("cumulus, half cover, eye in", 1_500.0, 2.0, CloudKind::Cumulus, 0.5, 0.0),
-    ("cumulus, half cover, eye above", 4_000.0, -16.0, CloudKind::Cumulus, 0.5, 0.0),
-    ("cumulus, half cover, eye above, low sun", 4_000.0, -16.0, CloudKind::Cumulus, 0.5, LOW_SUN_H),
-    ("stratocumulus, overcast, eye under", 400.0, 14.0, CloudKind::Stratocumulus, 1.0, 0.0),
-];
-/// From the first noon (UTC, June) until the sun stands low over 8 degrees east, in the west-north-west, behind the eye.
-const LOW_SUN_H: f64 = 6.25;
+/// 2026-06-21T11:30:00Z, noon over 8 degrees east.
+const NOON_UTC_S: f64 = 1_782_041_400.0;
+/// 2026-06-21T17:45:00Z: the sun stands low in the west-north-west, behind the eye.
+const LOW_SUN_UTC_S: f64 = NOON_UTC_S + 6.25 * 3600.0;
+/// What is looked at: a layer from 1000 to 2200 m.
+struct Sight {
+    name: &'static str,
+    altitude_m: f64,
+    pitch_deg: f64,
+    kind: CloudKind,
+    coverage: f64,
+    utc_s: f64,
+}
+
+const UNDER: Sight = Sight {
+    name: "cumulus, half cover, eye under",
+    altitude_m: 400.0,
+    pitch_deg: 14.0,
+    kind: CloudKind::Cumulus,
+    coverage: 0.5,
+    utc_s: NOON_UTC_S,
+};
+const IN: Sight = Sight { name: "cumulus, half cover, eye in", altitude_m: 1_500.0, pitch_deg: 2.0, ..UNDER };
+const ABOVE: Sight = Sight { name: "cumulus, half cover, eye above", altitude_m: 4_000.0, pitch_deg: -16.0, ..UNDER };
+const LOW_SUN: Sight = Sight { name: "cumulus, half cover, eye above, low sun", utc_s: LOW_SUN_UTC_S, ..ABOVE };
+const OVERCAST: Sight =
+    Sight { name: "stratocumulus, overcast, eye under", kind: CloudKind::Stratocumulus, coverage: 1.0, ..UNDER };
 /// FLIP that is drawn in the lightest colour.
 const LIGHTEST: f32 = 0.3;
 const CONVERGED: &str = "converged";
 const MONTE_CARLO: &str = "Monte Carlo";
 
 fn cases(run: &mut Run) -> Result<(), Stopped> {
-    for (name, altitude_m, pitch_deg, kind, coverage, after_noon_h) in SIGHTS {
-        let size_px = run.pick([64, 36], [128, 72]);
-        let eye = EyePoint { altitude_m, pitch_deg, size_px, field_of_view_deg: 60.0 };
-        let layer = LayerSpec { coverage, ..scene::layer(kind, 1_000.0, 1_200.0) };
-        case(run, name, eye, layer, after_noon_h)?;
+    for sight in [UNDER, IN, ABOVE, LOW_SUN, OVERCAST] {
+        case(run, run.pick([64, 36], [128, 72]), &sight)?;
     }
     Ok(())
 }
 
 /// One sight: the references, then every method against them.
-fn case(run: &mut Run, name: &str, eye: EyePoint, layer: LayerSpec, after_noon_h: f64) -> Result<(), Stopped> {
-    let plan_for = |quality: Quality| {
-        let mut snapshot = scene::snapshot(eye, &[layer], quality)?;
-        snapshot.utc_s += 3600.0 * after_noon_h;
-        scene::plan_of(&snapshot, Output::LinearRgb)
-    };
+fn case(run: &mut Run, size_px: [u32; 2], sight: &Sight) -> Result<(), Stopped> {
+    let Sight { name, altitude_m, pitch_deg, kind, coverage, utc_s } = *sight;
+    let eye = EyePoint { altitude_m, pitch_deg, size_px, field_of_view_deg: 60.0 };
+    let layer = LayerSpec { coverage, ..scene::layer(kind, 1_000.0, 1_200.0) };
+    let plan_for =
+        |quality: Quality| scene::plan_of(&scene::snapshot_at(eye, &[layer], quality, utc_s)?, Output::LinearRgb);
     let plan = plan_for(Quality { deck_scale: 1, ..DEFAULT_QUALITY })?;
     let width = plan.size_px[0] as usize;
     let mut executor = ReferenceExecutor::new();
@@ -139,9 +152,7 @@ mod tests {
             }
             Ok(())
         };
-        let eye = EyePoint { altitude_m: 400.0, pitch_deg: 14.0, size_px: [32, 18], field_of_view_deg: 60.0 };
-        let layer = scene::layer(CloudKind::Cumulus, 1_000.0, 1_200.0);
-        case(&mut Run::new(true, &mut sink), "test", eye, layer, 0.0).expect("a case");
+        case(&mut Run::new(true, &mut sink), [32, 18], &UNDER).expect("a case");
         assert_eq!(figures, 3);
         let error = |method: &str, param: &str, value: f64| {
             let wanted = |r: &&CaseResult| {
