@@ -14,9 +14,18 @@ fn pcg3d(v_in: vec3<u32>) -> vec3<u32> {
     return v;
 }
 
+const TOWARDS_MEAN: f32 = 0.2;
+const HALF: f32 = 0.4946;
+
+fn mean(v: vec3<f32>) -> f32 {
+    return (v.x + v.y + v.z) * (1.0 / 3.0);
+}
+
 fn filmic(c: vec3<f32>) -> vec3<f32> {
-    let x = c * 0.75;
-    return clamp((x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14), vec3<f32>(0.0), vec3<f32>(1.0));
+    let x = mix(c, vec3<f32>(mean(c)), TOWARDS_MEAN) * (1.0 / HALF);
+    let power = min(x * sqrt(x), vec3<f32>(1e6));
+    let y = power / (power + 1.0);
+    return clamp((y - TOWARDS_MEAN * mean(y)) * (1.0 / (1.0 - TOWARDS_MEAN)), vec3<f32>(0.0), vec3<f32>(1.0));
 }
 
 fn srgb(v: vec3<f32>) -> vec3<f32> {

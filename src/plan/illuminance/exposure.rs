@@ -14,6 +14,9 @@ use glam::Vec3;
 /// Share of what is seen that faces the source: the flanks of clouds when the sun is low, which are then the brightest thing in
 /// the picture. By the level ground alone evenings were washed out.
 const FACING_METERED: f32 = 0.6;
+/// The same of the glow around a source that stands on the horizon, where a pilot looks: towards a low sun sky and haze are as
+/// bright as sunlit cloud at noon, and evenings were white. Falls with the fourth power of what the height leaves.
+const GLOW_METERED: f32 = 1.0;
 /// Share of a flash's light that the exposure answers to: a whole answer would turn the night black around it, none
 /// would leave a white picture without shape.
 const FLASH_METERED: f32 = 0.3;
@@ -34,8 +37,9 @@ pub fn ev100(asked: Exposure, at_eye: &Level, mu: f32, snapshot: &Snapshot, eye:
     match asked {
         Exposure::Ev100(ev) => ev as f32,
         Exposure::Automatic => {
-            let steady_lux =
-                at_eye.direct_lux.y * (FACING_METERED + (1.0 - FACING_METERED) * mu) + at_eye.diffuse_lux.y;
+            let facing =
+                FACING_METERED + (1.0 - FACING_METERED) * mu + GLOW_METERED * (1.0 - mu.clamp(0.0, 1.0)).powi(4);
+            let steady_lux = at_eye.direct_lux.y * facing + at_eye.diffuse_lux.y;
             automatic_ev(steady_lux + flash_lux(snapshot, eye))
         }
     }
