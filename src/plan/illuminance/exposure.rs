@@ -16,7 +16,7 @@ use glam::Vec3;
 const FACING_METERED: f32 = 0.6;
 /// The same of the glow around a source that stands on the horizon, where a pilot looks: towards a low sun sky and haze are as
 /// bright as sunlit cloud at noon, and evenings were white. Falls with the fourth power of what the height leaves.
-const GLOW_METERED: f32 = 1.0;
+const GLOW_METERED: f32 = 2.0;
 /// Share of a flash's light that the exposure answers to: a whole answer would turn the night black around it, none
 /// would leave a white picture without shape.
 const FLASH_METERED: f32 = 0.3;
