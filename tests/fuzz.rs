@@ -5,6 +5,10 @@
 //! a fixed number of inputs from a fixed seed. `FUZZ_SECONDS=600 cargo test --release --test fuzz cigi -- --nocapture` runs
 //! one target for so long from a seed of its own, and prints executions and seconds.
 
+#[path = "fuzz/heights.rs"]
+mod heights;
+#[path = "../src/wire/heights/tests/maker.rs"]
+mod maker;
 #[path = "fuzz/mutate.rs"]
 mod mutate;
 #[path = "fuzz/targets.rs"]
@@ -15,8 +19,6 @@ use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 use targets::Target;
 
-/// Inputs of a run without a word.
-const INPUTS: u64 = 4_000;
 /// Inputs kept for having been answered in a new way.
 const KEPT: usize = 4_096;
 /// Longest answer to one input: a guard against what never ends, far beyond what any takes.
@@ -37,7 +39,7 @@ fn run(target: &Target) {
     let mut executions = 0_u64;
     let goes_on = |executions: u64| match seconds {
         Some(seconds) => began.elapsed().as_secs_f64() < seconds,
-        None => executions < INPUTS,
+        None => executions < target.inputs,
     };
     while goes_on(executions) {
         let input = mutator.bend(&corpus, target.longest);
@@ -87,6 +89,11 @@ fn cigi_scene() {
 }
 
 #[test]
+fn cigi_scene_over_mountains() {
+    run(&targets::CIGI_TERRAIN);
+}
+
+#[test]
 fn cigi_json() {
     run(&targets::CIGI_JSON);
 }
@@ -122,6 +129,11 @@ fn basis_files() {
 }
 
 #[test]
-fn height_files() {
-    run(&targets::HEIGHTS);
+fn geotiff_height_files() {
+    run(&heights::GEOTIFF);
+}
+
+#[test]
+fn hgt_height_files() {
+    run(&heights::HGT);
 }

@@ -53,9 +53,12 @@ pub(super) struct Options {
     /// Where the ground is: procedural, or ellipsoid (level everywhere).
     #[arg(long, value_name = "T", value_parser = terrain, default_value = "ellipsoid")]
     terrain: TerrainChoice,
-    /// GeoTIFF or HGT file of heights (above the ellipsoid) that is laid over it.
+    /// GeoTIFF or HGT file of heights that is laid over it.
     #[arg(long, value_name = "FILE")]
     terrain_file: Option<PathBuf>,
+    /// Height of mean sea level above the WGS84 ellipsoid, from which the file's heights count.
+    #[arg(long, value_name = "METRES", value_parser = sea_level, default_value = "0", requires = "terrain_file", allow_negative_numbers = true)]
+    terrain_sea_level_m: f64,
     /// Slices per cloud layer.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(limits::SLICES.min as i64..=limits::SLICES.max as i64))]
     slices: Option<u32>,
@@ -73,6 +76,14 @@ pub(super) fn terrain(text: &str) -> Result<TerrainChoice, String> {
         "procedural" => Ok(TerrainChoice::Procedural),
         "ellipsoid" => Ok(TerrainChoice::Ellipsoid),
         _ => Err("procedural or ellipsoid".to_owned()),
+    }
+}
+
+fn sea_level(text: &str) -> Result<f64, String> {
+    let range = limits::SEA_LEVEL_M;
+    match text.parse() {
+        Ok(sea_level_m) if (range.min..=range.max).contains(&sea_level_m) => Ok(sea_level_m),
+        _ => Err(format!("a number of {} to {} metres", range.min, range.max)),
     }
 }
 
@@ -184,7 +195,8 @@ fn world(options: &Options) -> Result<World, Failure> {
     let mut world = World::new();
     let around = options.terrain.terrain();
     world.set_terrain(match &options.terrain_file {
-        Some(file) => with_heights(around, file, 0.0).map_err(|wrong| Failure::Input(wrong.to_string()))?,
+        Some(file) => with_heights(around, file, options.terrain_sea_level_m)
+            .map_err(|wrong| Failure::Input(wrong.to_string()))?,
         None => around,
     });
     world
@@ -276,6 +288,14 @@ mod tests {
         assert_eq!(file_name(Path::new("a/sky.png"), 7, 9), Path::new("a/sky-00007.png"));
         assert!(format_of(Path::new("sky.gif")).is_err());
         assert_eq!(format_of(Path::new("sky.JPG")).ok(), Some(Format::Jpeg { quality: JPEG_QUALITY }));
+    }
+
+    #[test]
+    fn a_sea_level_is_one_that_there_is() {
+        assert_eq!((sea_level("48.5"), sea_level("-100")), (Ok(48.5), Ok(-100.0)));
+        for wrong in ["111", "NaN", "-inf", "sea"] {
+            assert!(sea_level(wrong).is_err(), "{wrong}");
+        }
     }
 
     #[test]

@@ -6,7 +6,8 @@ mod towns;
 
 use super::Geodetic;
 use super::coast::shore_m;
-use super::frames::Curvature;
+use super::frames::enu;
+use super::wgs84::{from_ecef, to_ecef};
 use glam::DVec3;
 use std::fmt;
 use std::sync::Arc;
@@ -23,6 +24,29 @@ pub trait Heights: fmt::Debug + Send + Sync {
     /// Height of the ground (of the surface, over water) above the ellipsoid at a place in radians, from
     /// [`LOWEST_M`] to [`HIGHEST_M`]; what is shorter than `spacing_m` from crest to crest may be left out. 0: all there is.
     fn height_m(&self, latitude_rad: f64, longitude_rad: f64, spacing_m: f64) -> f64;
+
+    /// How rough the ground is around a place.
+    fn roughness(&self, _latitude_rad: f64, _longitude_rad: f64) -> Roughness {
+        Roughness::UNKNOWN
+    }
+}
+
+/// What a walk along a line must know of the ground to miss nothing that stands in its way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Roughness {
+    /// Width of the thinnest crest.
+    pub grain_m: f64,
+    /// No slope is steeper: rise over run.
+    pub steepest: f64,
+    /// Over this way from the place the two hold.
+    pub reach_m: f64,
+}
+
+impl Roughness {
+    /// Walls, and crests of a hill's finest folds: the walk goes in its shortest steps.
+    pub const UNKNOWN: Self = Self { grain_m: 80.0, steepest: 1e6, reach_m: f64::INFINITY };
+    /// The bare ellipsoid.
+    const LEVEL: Self = Self { grain_m: 80.0, steepest: 0.0, reach_m: f64::INFINITY };
 }
 
 /// The ground of the whole Earth: the bare ellipsoid, or a source of heights. Two are equal if they share their source.
@@ -61,20 +85,23 @@ impl Terrain {
         if height_m.is_finite() { height_m.clamp(LOWEST_M, HIGHEST_M) } else { 0.0 }
     }
 
-    /// Unit normal of the ground (east, north, up) at a place, by central differences over 20 m.
+    /// How rough the ground is around a place.
+    pub fn roughness(&self, place: &Geodetic) -> Roughness {
+        self.0.as_ref().map_or(Roughness::LEVEL, |heights| heights.roughness(place.latitude_rad, place.longitude_rad))
+    }
+
+    /// Unit normal of the ground (east, north, up) at a place, by central differences over 20 m; at a pole too.
     pub fn normal(&self, place: &Geodetic) -> DVec3 {
         if self.is_ellipsoid() {
             return DVec3::Z;
         }
-        let curvature = Curvature::at(place.latitude_rad);
-        let north_rad = NORMAL_REACH_M / curvature.meridian_m;
-        // At a pole a step east is a step of any size.
-        let east_rad = NORMAL_REACH_M / (curvature.prime_vertical_m * place.latitude_rad.cos()).max(1.0);
-        let at =
-            |north: f64, east: f64| self.smoothed_height_m(place.latitude_rad + north, place.longitude_rad + east, 0.0);
+        // Steps over the plane that touches the ellipsoid, since degrees of longitude shrink to nothing at a pole.
+        let foot = Geodetic { altitude_m: 0.0, ..*place };
+        let (axes, origin) = (enu(&foot), to_ecef(&foot));
+        let at = |step: DVec3| self.height_m(&from_ecef(origin + step * NORMAL_REACH_M));
         let per_m = 0.5 / NORMAL_REACH_M;
-        let east = (at(0.0, east_rad) - at(0.0, -east_rad)) * per_m;
-        let north = (at(north_rad, 0.0) - at(-north_rad, 0.0)) * per_m;
+        let east = (at(axes.x_axis) - at(-axes.x_axis)) * per_m;
+        let north = (at(axes.y_axis) - at(-axes.y_axis)) * per_m;
         DVec3::new(-east, -north, 1.0).normalize()
     }
 

@@ -1,7 +1,7 @@
 //! Lines of sight: what a ray meets first, ground or cloud, and how much of the light comes through.
 
 use super::field::Field;
-use super::ground::{self, ON_GROUND_M};
+use super::ground::{self, ON_GROUND_M, Surfaces};
 use crate::geo::Geodetic;
 use crate::geo::frames::enu;
 use crate::geo::wgs84::{from_ecef, to_ecef};
@@ -26,8 +26,8 @@ pub struct Ray {
     pub to_m: f64,
     /// Opacity from 0 to 1 from which cloud hides; `None`: cloud never does.
     pub opaque: Option<f64>,
-    /// Whether the ground hides.
-    pub ground: bool,
+    /// Which surfaces of the ground hide.
+    pub surfaces: Surfaces,
 }
 
 /// What hides.
@@ -57,14 +57,14 @@ impl Ray {
     pub fn between(from: Geodetic, to: &Geodetic) -> Self {
         let way = to_ecef(to) - to_ecef(&from);
         let direction = way.try_normalize().unwrap_or(DVec3::X);
-        Self { from, direction, from_m: 0.0, to_m: way.length(), opaque: None, ground: true }
+        Self { from, direction, from_m: 0.0, to_m: way.length(), opaque: None, surfaces: Surfaces::ALL }
     }
 
     /// From a point in a direction: clockwise from true north, and above level.
     pub fn towards(from: Geodetic, azimuth_rad: f64, elevation_rad: f64, from_m: f64, to_m: f64) -> Self {
         let level = elevation_rad.cos();
         let local = DVec3::new(level * azimuth_rad.sin(), level * azimuth_rad.cos(), elevation_rad.sin());
-        Self { from, direction: (enu(&from) * local).normalize(), from_m, to_m, opaque: None, ground: true }
+        Self { from, direction: (enu(&from) * local).normalize(), from_m, to_m, opaque: None, surfaces: Surfaces::ALL }
     }
 }
 
@@ -74,9 +74,10 @@ pub fn sight(snapshot: &Snapshot, ray: &Ray) -> Sight {
     // What is nearer than the range asked for hides nothing: the ground is looked for from there on. A point on the ground is
     // not hidden by the ground that it stands on.
     let from_m = ray.from_m.max(0.0);
-    let ground_m = ground::hit_m(&snapshot.terrain, origin + ray.direction * from_m, ray.direction, ray.to_m - from_m)
+    let (begin, direction) = (origin + ray.direction * from_m, ray.direction);
+    let ground_m = ground::hit_m(&snapshot.terrain, ray.surfaces, begin, direction, ray.to_m - from_m)
         .map(|hit_m| from_m + hit_m)
-        .filter(|hit_m| ray.ground && *hit_m < ray.to_m - ON_GROUND_M);
+        .filter(|hit_m| *hit_m < ray.to_m - ON_GROUND_M);
     let end_m = ground_m.unwrap_or(f64::INFINITY).min(ray.to_m).max(0.0);
     let (cloud_m, opacity) = cloud(snapshot, ray, end_m);
     let (hider, range_m) = match (cloud_m, ground_m) {
@@ -222,7 +223,7 @@ mod tests {
         let far = sight(&snapshot, &Ray::between(from, &place(47.9, 8.0, 100.0)));
         assert_eq!(far.hider, Some(Hider::Ground));
         assert!((14_850.0..15_150.0).contains(&far.range_m) && far.point.altitude_m.abs() < 1e-3, "{far:?}");
-        let through = Ray { ground: false, ..Ray::between(from, &place(47.9, 8.0, 100.0)) };
+        let through = Ray { surfaces: Surfaces::NONE, ..Ray::between(from, &place(47.9, 8.0, 100.0)) };
         assert_eq!(sight(&snapshot, &through).hider, None);
         let down = Ray { direction: -enu(&from).z_axis, to_m: 50.0, ..up(&from) };
         assert_eq!(sight(&snapshot, &down).hider, None, "it ends before the ground");

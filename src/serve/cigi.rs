@@ -12,6 +12,8 @@ mod outbox;
 mod questions;
 mod session;
 
+pub use answers::Known;
+
 use super::app::App;
 use crate::settings::CigiSettings;
 use crate::wire::limits::CIGI_PACKETS_AT_ONCE;

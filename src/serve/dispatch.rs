@@ -91,7 +91,6 @@ impl Session {
                 return if self.trusted { Verdict::Go } else { Verdict::End("no hello with the token") };
             }
         };
-        self.app.metrics.stages.add_us(Stage::Decode, self.app.metrics.now_us().saturating_sub(received_us));
         let seq = inbound.seq;
         let result = match inbound.message {
             Message::Hello(hello) => self.hello(seq, hello).await,
@@ -175,6 +174,8 @@ impl Session {
         self.must_be_host()?;
         let begin_us = self.app.metrics.now_us();
         let applied = self.ask(|reply| Request::Apply { command, received_us, reply }).await??;
+        // The host's commands alone: what watchers ask for is on no way from a host to a picture.
+        self.app.metrics.stages.add_us(Stage::Decode, begin_us.saturating_sub(received_us));
         self.app.metrics.stages.add_us(Stage::Apply, self.app.metrics.now_us().saturating_sub(begin_us));
         let flash = match applied {
             Applied::Flash { id } => Some(id),

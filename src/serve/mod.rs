@@ -32,6 +32,7 @@ mod strikes;
 mod thunder;
 mod world_task;
 
+pub use cigi::Known;
 pub use inside::with_server;
 pub use render_thread::ExecutorFactory;
 pub use signals::shutdown_signal;

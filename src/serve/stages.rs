@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 /// A stage of the flow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Stage {
-    /// A message read from its socket until its meaning is known.
+    /// A host's message read from its socket until its meaning is known.
     Decode,
     /// From there until the world has taken it.
     Apply,

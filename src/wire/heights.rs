@@ -2,6 +2,8 @@
 
 mod geotiff;
 mod hgt;
+mod picture;
+mod tags;
 
 use super::limits::HEIGHT_SAMPLES;
 use crate::geo::raster::Grid;

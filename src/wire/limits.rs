@@ -50,6 +50,14 @@ pub const SCENARIO_BYTES: usize = 4 * 1024 * 1024;
 pub const HEIGHT_FILE_BYTES: usize = 512 * 1024 * 1024;
 /// Most heights of a file: 144 MB of memory, and a third more for its coarser forms.
 pub const HEIGHT_SAMPLES: usize = 36_000_000;
+/// Samples of all tiles of a GeoTIFF over those of its picture at most: tiles reach beyond its edges.
+pub const HEIGHT_PADDING: u64 = 4;
+/// Most tags of a GeoTIFF: files in use have some dozens.
+pub const HEIGHT_TAGS: u64 = 512;
+/// Longest value of a tag of a GeoTIFF in bytes: keys and texts have some hundreds.
+pub const HEIGHT_TAG_BYTES: u64 = 64 * 1024;
+/// Most strips or tiles of a GeoTIFF: a grid of the largest size in tiles of 16 x 16 has 141,000.
+pub const HEIGHT_CHUNKS: usize = 262_144;
 /// Longest settings file in bytes.
 pub const SETTINGS_BYTES: usize = 64 * 1024;
 /// Deepest nesting of lists and objects in any JSON text (an inline scenario's layers stand at depth 6).
@@ -72,7 +80,7 @@ pub const CIGI_JSON_PACKETS: usize = CIGI_MESSAGE_BYTES / 8;
 pub const CIGI_PACKETS_AT_ONCE: usize = 1_024;
 /// Entities of a CIGI host that are kept.
 pub const CIGI_ENTITIES: usize = 1_024;
-/// Regions of a CIGI host that are kept; the world draws as many as [`world::MAX_REGIONS`].
+/// Regions of a CIGI host that are kept; the world has the nearest of them, as many as [`world::MAX_REGIONS`].
 pub const CIGI_REGIONS: usize = 256;
 /// Questions of a CIGI host that wait for one Start of Frame.
 pub const CIGI_QUESTIONS: usize = 256;

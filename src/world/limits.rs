@@ -6,8 +6,9 @@
 pub const MAX_LAYERS: usize = 8;
 /// Changes of single layers in one weather edit.
 pub const MAX_LAYER_CHANGES: usize = 64;
-/// Regions at once, those that are fading out included.
-pub const MAX_REGIONS: usize = 16;
+/// Regions at once, those that are fading out included: twice as many as are drawn, so that whoever names the nearest ones
+/// exchanges only such as are not drawn.
+pub const MAX_REGIONS: usize = 32;
 /// Views at once.
 pub const MAX_VIEWS: usize = 16;
 /// Entities beside the ownship that may carry views.

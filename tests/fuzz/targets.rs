@@ -1,8 +1,9 @@
 //! The decoders, each as a function from bytes to an answer in words, with what its corpus begins with.
 
 use std::collections::BTreeSet;
-use std::io::Cursor;
+use std::sync::{Arc, OnceLock};
 use stormdeck::frame::LatencyStamps;
+use stormdeck::geo::raster::{Grid, Raster};
 use stormdeck::geo::terrain::Terrain;
 use stormdeck::report::Bounds;
 use stormdeck::scattering::basis::{Basis, Content, Recipe};
@@ -11,13 +12,14 @@ use stormdeck::scattering::file;
 use stormdeck::scattering::lights::Lights;
 use stormdeck::scattering::medium::Medium;
 use stormdeck::scattering::ordinates::Params;
+use stormdeck::serve::Known;
 use stormdeck::settings::Settings;
+use stormdeck::wire::cigi::layout::Value;
+use stormdeck::wire::cigi::packets::Packet;
 use stormdeck::wire::cigi::scene::{Consequence, Convention, Moment, Scene};
 use stormdeck::wire::cigi::{ByteOrder, Version, decode, decode_packets, encode, json};
-use stormdeck::wire::{control, frames, heights, scenario};
+use stormdeck::wire::{control, frames, scenario};
 use stormdeck::world::{Command, World};
-use tiff::encoder::{TiffEncoder, colortype::GrayI16};
-use tiff::tags::Tag;
 
 /// A decoder.
 pub struct Target {
@@ -26,19 +28,36 @@ pub struct Target {
     pub corpus: fn() -> Vec<Vec<u8>>,
     /// Longest input.
     pub longest: usize,
+    /// Inputs of a run without a word.
+    pub inputs: u64,
     /// Decodes, checks what must hold of any input, and says what came of it.
     pub answer: fn(&[u8]) -> String,
 }
 
 pub const CIGI_MESSAGES: Target =
-    Target { name: "cigi messages", corpus: cigi_samples, longest: 2_048, answer: cigi_message };
-pub const CIGI_SCENE: Target =
-    Target { name: "cigi scene", corpus: cigi_host_messages, longest: 2_048, answer: cigi_scene };
-pub const CIGI_JSON: Target = Target { name: "cigi json", corpus: cigi_texts, longest: 8_192, answer: cigi_text };
+    Target { name: "cigi messages", corpus: cigi_samples, longest: 2_048, inputs: 4_000, answer: cigi_message };
+pub const CIGI_SCENE: Target = Target {
+    name: "cigi scene",
+    corpus: cigi_host_messages,
+    longest: 2_048,
+    inputs: 4_000,
+    answer: |input| cigi_scene(input, &Terrain::ELLIPSOID),
+};
+pub const CIGI_TERRAIN: Target = Target {
+    name: "cigi scene over mountains",
+    corpus: cigi_host_messages,
+    longest: 2_048,
+    // Lines of sight are walked.
+    inputs: 400,
+    answer: |input| cigi_scene(input, mountains()),
+};
+pub const CIGI_JSON: Target =
+    Target { name: "cigi json", corpus: cigi_texts, longest: 8_192, inputs: 4_000, answer: cigi_text };
 pub const CONTROL: Target = Target {
     name: "control messages",
     corpus: || lines(include_str!("corpus/control.jsonl")),
     longest: 8_192,
+    inputs: 4_000,
     answer: |input| match control::decode(&String::from_utf8_lossy(input)) {
         Ok(inbound) => kind(&format!("{:?}", inbound.message)),
         Err((_, refused)) => words(&refused.to_string()),
@@ -48,6 +67,7 @@ pub const SCENARIO: Target = Target {
     name: "scenario files",
     corpus: || vec![include_bytes!("../../config/scenarios/night-storm.json").to_vec()],
     longest: 16_384,
+    inputs: 4_000,
     answer: |input| match scenario::parse(&String::from_utf8_lossy(input)) {
         Ok(_) => "a scenario".to_owned(),
         Err(complaints) => complaints.first().map_or_else(String::new, |complaint| words(&complaint.to_string())),
@@ -59,6 +79,7 @@ pub const SETTINGS: Target = Target {
         vec![include_bytes!("../../config/default.json").to_vec(), include_bytes!("../../config/cigi.json").to_vec()]
     },
     longest: 8_192,
+    inputs: 4_000,
     answer: |input| match Settings::parse(&String::from_utf8_lossy(input)) {
         Ok(_) => "settings".to_owned(),
         Err(complaints) => complaints.first().map_or_else(String::new, |complaint| words(&complaint.to_string())),
@@ -68,50 +89,25 @@ pub const FRAMES: Target = Target {
     name: "frame messages",
     corpus: || vec![frame()],
     longest: 4_096,
+    inputs: 4_000,
     answer: |input| match frames::decode_message(input) {
         Ok(_) => "a frame".to_owned(),
         Err(error) => words(&error.to_string()),
     },
 };
 
-pub const HEIGHTS: Target = Target {
-    name: "height files",
-    corpus: || vec![heights_file()],
-    longest: 4_096,
-    answer: |input| match heights::decode("a.tif", input) {
-        Ok(grid) => {
-            assert!(grid.columns >= 2 && grid.heights_m.len().is_multiple_of(grid.columns));
-            "a grid".to_owned()
-        }
-        Err(wrong) => words(&wrong.to_string()),
-    },
-};
-
-/// A GeoTIFF of 4 x 3 heights.
-fn heights_file() -> Vec<u8> {
-    let mut bytes = Cursor::new(Vec::new());
-    let mut encoder = TiffEncoder::new(&mut bytes).expect("a file");
-    let mut image = encoder.new_image::<GrayI16>(4, 3).expect("an image");
-    let directory = image.encoder();
-    let keys = [1u16, 1, 0, 3, 1024, 0, 1, 2, 1025, 0, 1, 1, 2048, 0, 1, 4326];
-    directory.write_tag(Tag::GeoKeyDirectoryTag, &keys[..]).expect("keys");
-    directory.write_tag(Tag::ModelPixelScaleTag, &[0.5, 0.25, 0.0][..]).expect("scale");
-    directory.write_tag(Tag::ModelTiepointTag, &[0.0, 0.0, 0.0, 8.0, 47.0, 0.0][..]).expect("tie point");
-    directory.write_tag(Tag::GdalNodata, "-9999").expect("void");
-    image.write_data(&[1, 2, 3, 4, -9999, 6, 7, 8, 9, 10, 11, -12]).expect("heights");
-    bytes.into_inner()
-}
-
 pub const BOUNDS: Target = Target {
     name: "files of bounds",
     corpus: || vec![include_bytes!("../../benches/bounds.json").to_vec()],
     longest: 8_192,
+    inputs: 4_000,
     answer: |input| match Bounds::parse(&String::from_utf8_lossy(input)) {
         Ok(_) => "bounds".to_owned(),
         Err(why) => words(&why),
     },
 };
-pub const BASIS: Target = Target { name: "basis files", corpus: || vec![basis()], longest: 16_384, answer: basis_file };
+pub const BASIS: Target =
+    Target { name: "basis files", corpus: || vec![basis()], longest: 16_384, inputs: 4_000, answer: basis_file };
 
 /// A baked basis of two lights in a tiny cloud.
 fn basis() -> Vec<u8> {
@@ -247,13 +243,35 @@ fn cigi_message(input: &[u8]) -> String {
     said.into_iter().collect::<Vec<_>>().join("; ")
 }
 
-/// What a host says reaches the world only finite and in range, whatever it says.
-fn cigi_scene(input: &[u8]) -> String {
+/// Made mountains with a file of heights over them, where the samples' places are, in which every third height is not known.
+fn mountains() -> &'static Terrain {
+    static MADE: OnceLock<Terrain> = OnceLock::new();
+    MADE.get_or_init(|| {
+        let heights_m = (0..60 * 80u16).map(|n| if n % 3 == 0 { f32::NAN } else { f32::from(n % 977) * 3.0 });
+        let (step_south_deg, step_east_deg, columns) = (0.02, 0.02, 80);
+        let heights_m = heights_m.collect();
+        let grid = Grid { north_deg: 47.6, west_deg: 7.4, step_south_deg, step_east_deg, columns, heights_m };
+        Terrain::of(Arc::new(Raster::new(grid, 48.0, Terrain::procedural())))
+    })
+}
+
+/// Every number of an answer is one.
+fn finite(answer: &Packet, version: Version) -> bool {
+    answer.layout().placed(version).all(|(index, ..)| match answer.field(index) {
+        Some(Value::Single(value)) => value.is_finite(),
+        Some(Value::Double(value)) => value.is_finite(),
+        _ => true,
+    })
+}
+
+/// What a host says reaches the world only finite and in range, whatever it says, and so do the answers to its questions.
+fn cigi_scene(input: &[u8], terrain: &Terrain) -> String {
     let Ok(message) = decode(input) else { return "rejected".to_owned() };
     let mut world = World::new();
-    let mut scene =
-        Scene::new(Convention { sea_level_m: 0.0, seed: 1, size_px: [640, 360], terrain: Terrain::ELLIPSOID });
+    world.set_terrain(terrain.clone());
+    let mut scene = Scene::new(Convention { sea_level_m: 0.0, seed: 1, size_px: [640, 360], terrain: terrain.clone() });
     let mut said = BTreeSet::new();
+    let mut questions = Vec::new();
     for frame in 0..2 {
         let moment = Moment { host_frame: frame, timestamp: Some(frame * 1_667), extrapolate: true, now_s: 0.0 };
         for consequence in scene.take(&message, &moment) {
@@ -263,7 +281,10 @@ fn cigi_scene(input: &[u8]) -> String {
                     world.apply(command).map(|_| ())
                 }
                 Consequence::Strike { request, .. } => world.apply(Command::Strike(request)).map(|_| ()),
-                Consequence::Question(_) => Ok(()),
+                Consequence::Question(question) => {
+                    questions.push(question);
+                    Ok(())
+                }
                 Consequence::Refused(refused) => Err(refused),
             };
             said.extend(applied.err().map(|refused| words(&refused.field)));
@@ -282,6 +303,15 @@ fn cigi_scene(input: &[u8]) -> String {
         }
         for flash in &seen.flashes {
             assert!(flash.intensity_cd.is_finite() && flash.position.altitude_m.is_finite(), "{flash:?}");
+        }
+    }
+    let (snapshot, entities, air) = (Arc::new(world.peek(0.02)), scene.entities().clone(), scene.air());
+    let known = Known { snapshot, entities, air, host_frame_number_lsn: 5 };
+    // A message may hold hundreds of questions, which all are alike.
+    for question in questions.iter().take(2) {
+        for answer in known.answer(question) {
+            assert!(finite(&answer, message.version), "{question:?}: {answer:?}");
+            said.insert(answer.layout().type_name.to_owned());
         }
     }
     said.into_iter().collect::<Vec<_>>().join("; ")
@@ -304,6 +334,6 @@ fn kind(printed: &str) -> String {
 }
 
 /// An answer without its numbers and quotations, so that alike complaints count as one.
-fn words(text: &str) -> String {
+pub fn words(text: &str) -> String {
     text.split_whitespace().filter(|word| word.chars().all(char::is_alphabetic)).take(12).collect::<Vec<_>>().join(" ")
 }

@@ -9,6 +9,24 @@ async fn state(talker: &mut crate::harness::Talker) -> Value {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn the_stages_of_the_flow_count_the_host_alone() {
+    let server = Server::start().await;
+    let decoded = async || {
+        let (_, _, body) = server.http("/metrics", "").await;
+        let text = String::from_utf8(body).unwrap();
+        text.lines().any(|line| line.starts_with("stormdeck_stage_seconds") && line.contains("stage=\"decode\""))
+    };
+    let mut watcher = server.watcher().await;
+    for _ in 0..20 {
+        state(&mut watcher).await;
+    }
+    assert!(!decoded().await, "a watcher's questions are on no way to a picture");
+    server.host().await.acked(json!({"type": "scenario", "action": "pause"})).await;
+    assert!(decoded().await);
+    server.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn what_is_refused_leaves_the_world_as_it_was() {
     let server = Server::start().await;
     let mut host = server.host().await;

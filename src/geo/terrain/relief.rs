@@ -4,7 +4,7 @@
 //! elsewhere, everything sinking to sea level at the coast and to the valley floor where towns are. The noise lives in space, not on a map: no seam and no pole.
 
 use super::ranges::crest_and_floor_m;
-use super::{HIGHEST_M, Heights, towns};
+use super::{HIGHEST_M, Heights, Roughness, towns};
 use crate::geo::coast::coarse_shore_m;
 use crate::numeric::noise::spatial as noise;
 use glam::DVec3;
@@ -22,6 +22,9 @@ const HILL_OCTAVES: usize = 7;
 const RISE_M: f64 = 9_000.0;
 /// Shares of the mountains and of the hills that a town leaves none of.
 const CLEARED: [f64; 2] = [0.94, 0.6];
+
+/// The finest folds, and the steepest slope: over six mountain ranges a test finds up to 3.8 in steps of 10 m.
+const ROUGHNESS: Roughness = Roughness { grain_m: 80.0, steepest: 5.0, reach_m: f64::INFINITY };
 
 /// The one relief of the house.
 #[derive(Debug)]
@@ -44,6 +47,10 @@ impl Heights for Relief {
         let up = DVec3::new(cos_lat * cos_lon, cos_lat * sin_lon, sin_lat);
         let town = || towns::share(latitude_rad, longitude_rad, spacing_m);
         inland_m(up, shore_m, spacing_m, town).min(HIGHEST_M)
+    }
+
+    fn roughness(&self, _: f64, _: f64) -> Roughness {
+        ROUGHNESS
     }
 }
 

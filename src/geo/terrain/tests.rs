@@ -1,6 +1,7 @@
 //! The height function: where it is high, what it never does, and what its slope is.
 
 use super::*;
+use crate::geo::frames::Curvature;
 
 fn at(latitude_deg: f64, longitude_deg: f64) -> Geodetic {
     Geodetic { latitude_rad: latitude_deg.to_radians(), longitude_rad: longitude_deg.to_radians(), altitude_m: 0.0 }
@@ -108,9 +109,56 @@ fn a_normal_stands_on_the_slope() {
     }
     let terrain = Terrain::of(Arc::new(Plane));
     let found = terrain.normal(&Geodetic { latitude_rad: 0.7, longitude_rad: 0.0, altitude_m: 5.0 });
-    // Central differences are exact for a plane; f64 keeps 1e-9 m of radians times radius.
-    assert!((found - DVec3::new(-0.125, -0.25, 1.0).normalize()).length() < 1e-9, "{found}");
+    // Central differences are exact for a plane. In degrees of longitude it is none: 1 m eastwards counts cos(latitude) more after
+    // 10 m northwards, by 10 m over the radius.
+    assert!((found - DVec3::new(-0.125, -0.25, 1.0).normalize()).length() < 2e-6, "{found}");
     assert_eq!(Terrain::ELLIPSOID.normal(&at(46.2, 7.6)), DVec3::Z);
+}
+
+#[test]
+fn a_normal_stands_on_the_slope_at_a_pole_too() {
+    /// A plane that leans over the poles: it rises by 1 in 5 along the x axis of the Earth.
+    #[derive(Debug)]
+    struct Leaning;
+    impl Heights for Leaning {
+        fn height_m(&self, latitude_rad: f64, longitude_rad: f64, _: f64) -> f64 {
+            0.2 * to_ecef(&Geodetic { latitude_rad, longitude_rad, altitude_m: 0.0 }).x
+        }
+    }
+    let terrain = Terrain::of(Arc::new(Leaning));
+    for latitude in [90.0, 89.999_99, 89.999_9, -89.999_95, -90.0] {
+        for longitude in [0.0, 37.0, 180.0, -120.0] {
+            let place = at(latitude, longitude);
+            let axes = enu(&place);
+            let expected = DVec3::new(-0.2 * axes.x_axis.x, -0.2 * axes.y_axis.x, 1.0).normalize();
+            let found = terrain.normal(&place);
+            // The plane of the pole against that of a place 10 m away: they lean by 2e-6.
+            assert!((found - expected).length() < 1e-5, "{latitude} {longitude}: {found} {expected}");
+        }
+    }
+}
+
+#[test]
+fn made_ground_is_nowhere_steeper_than_it_says() {
+    let terrain = Terrain::procedural();
+    let mut steepest = 0.0f64;
+    for (latitude, longitude) in
+        [(46.2, 7.6), (27.9, 86.5), (-13.2, -72.5), (61.0, -150.5), (43.3, 6.9), (36.6, -118.3)]
+    {
+        let mut before: Option<(Geodetic, f64)> = None;
+        for k in 0..4_000 {
+            // 10 m steps north-eastwards.
+            let place = at(latitude + 6.4e-5 * f64::from(k), longitude + 9e-5 * f64::from(k));
+            let height = terrain.height_m(&place);
+            if let Some((last, last_m)) = before {
+                let run = (to_ecef(&place) - to_ecef(&last)).length();
+                steepest = steepest.max((height - last_m).abs() / run);
+            }
+            before = Some((place, height));
+        }
+    }
+    let said = terrain.roughness(&at(46.2, 7.6)).steepest;
+    assert!(steepest > 0.3 * said && steepest < said, "{steepest} of {said}");
 }
 
 #[test]

@@ -5,7 +5,7 @@ use crate::geo::frames::ecef_from_body;
 use crate::geo::wgs84::to_ecef;
 use crate::outputs::air::Air;
 use crate::outputs::conditions::conditions;
-use crate::outputs::ground::{self, hat_hot};
+use crate::outputs::ground::{self, Surfaces, hat_hot};
 use crate::outputs::sight::{Hider, Ray, Sight, sight};
 use crate::units::deg;
 use crate::wire::cigi::packets::{
@@ -18,10 +18,10 @@ use crate::wire::limits::SIGHT_RANGE_M;
 use crate::world::snapshot::Snapshot;
 use glam::DVec3;
 
-/// `material_mask`: the ground may hide.
-const MASK_GROUND: u32 = 1;
-/// `material_mask`: cloud may hide.
-const MASK_CLOUD: u32 = 4;
+/// The bit of a material in `material_mask`: code 1 is the lowest.
+const fn bit(material: u32) -> u32 {
+    1 << (material - 1)
+}
 
 /// What answers depend on.
 pub struct Known {
@@ -140,8 +140,10 @@ impl Known {
     fn follow(&self, ray: Ray, alpha_threshold: u8, material_mask: u32) -> Sight {
         // A mask of 0 says nothing of materials: all of them hide.
         let material_mask = if material_mask == 0 { u32::MAX } else { material_mask };
-        let opaque = (material_mask & MASK_CLOUD != 0).then_some(f64::from(alpha_threshold) / 255.0);
-        sight(&self.snapshot, &Ray { opaque, ground: material_mask & MASK_GROUND != 0, ..ray })
+        let hides = |material: u32| material_mask & bit(material) != 0;
+        let opaque = hides(ground::MATERIAL_CLOUD).then_some(f64::from(alpha_threshold) / 255.0);
+        let surfaces = Surfaces { land: hides(ground::MATERIAL_LAND), water: hides(ground::MATERIAL_WATER) };
+        sight(&self.snapshot, &Ray { opaque, surfaces, ..ray })
     }
 
     fn seen(&self, asked: &Asked, extended: bool, found: Option<Sight>) -> Packet {
@@ -173,7 +175,7 @@ impl Known {
         let met = hat_hot(&self.snapshot.terrain, &found.point).filter(|_| found.hider == Some(Hider::Ground));
         let (material_code, [red, green, blue]) = match found.hider {
             // The usual albedo of land and water as a colour; clouds are white, and have no surface.
-            Some(Hider::Ground) => match met.map_or(ground::MATERIAL_GROUND, |met| met.material) {
+            Some(Hider::Ground) => match met.map_or(ground::MATERIAL_LAND, |met| met.material) {
                 ground::MATERIAL_WATER => (ground::MATERIAL_WATER, [16, 28, 40]),
                 material => (material, [92, 96, 72]),
             },

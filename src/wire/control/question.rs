@@ -1,6 +1,7 @@
 //! The questions of `query` that ask the world itself: heights, lines of sight, the weather at a point.
 
 use crate::geo::Geodetic;
+use crate::outputs::ground::Surfaces;
 use crate::outputs::sight::Ray;
 use crate::wire::limits;
 use crate::world::event::Refused;
@@ -81,6 +82,11 @@ fn half() -> f64 {
     0.5
 }
 
+/// The surfaces that hide where the ground does.
+fn surfaces(ground: bool) -> Surfaces {
+    if ground { Surfaces::ALL } else { Surfaces::NONE }
+}
+
 impl PointJson {
     /// The point.
     pub fn geodetic(&self) -> Geodetic {
@@ -113,7 +119,7 @@ impl SegmentQuery {
             let limit = format!("at most {} m away", limits::SIGHT_RANGE_M.max);
             return Err(Refused::new("to", ray.to_m, limit, "no line of sight is followed so far"));
         }
-        Ok(Ray { ground: self.ground, opaque: self.cloud.then_some(self.cloud_opacity), ..ray })
+        Ok(Ray { surfaces: surfaces(self.ground), opaque: self.cloud.then_some(self.cloud_opacity), ..ray })
     }
 }
 
@@ -129,7 +135,7 @@ impl VectorQuery {
         }
         let (azimuth_rad, elevation_rad) = (self.azimuth_deg.to_radians(), self.elevation_deg.to_radians());
         let ray = Ray::towards(self.from.geodetic(), azimuth_rad, elevation_rad, self.minimum_m, self.maximum_m);
-        Ok(Ray { ground: self.ground, opaque: self.cloud.then_some(self.cloud_opacity), ..ray })
+        Ok(Ray { surfaces: surfaces(self.ground), opaque: self.cloud.then_some(self.cloud_opacity), ..ray })
     }
 }
 
@@ -144,7 +150,7 @@ mod tests {
         let mut line = SegmentQuery { from: HERE, to: HERE, ground: true, cloud: false, cloud_opacity: 0.5 };
         // 8.9 degrees along a meridian are 989 km, 9.1 are 1011 km (111.1 km a degree there); the chord is 1 km shorter.
         line.to.latitude_deg = 47.0 - 8.9;
-        assert!(line.ray().is_ok_and(|ray| ray.ground && ray.opaque.is_none()));
+        assert!(line.ray().is_ok_and(|ray| ray.surfaces == Surfaces::ALL && ray.opaque.is_none()));
         line.to.latitude_deg = 47.0 - 9.1;
         assert_eq!(line.ray().expect_err("too far").field, "to");
         let mut ray = VectorQuery {
@@ -158,7 +164,8 @@ mod tests {
             cloud_opacity: 0.25,
         };
         let followed = ray.ray().expect("a ray");
-        assert_eq!((followed.from_m, followed.to_m, followed.ground, followed.opaque), (10.0, 20.0, false, Some(0.25)));
+        assert_eq!((followed.from_m, followed.to_m, followed.opaque), (10.0, 20.0, Some(0.25)));
+        assert_eq!(followed.surfaces, Surfaces::NONE);
         // At 8 E, east is (-sin 8, cos 8, 0) in ECEF; rounding alone.
         let east = glam::DVec3::new(-8f64.to_radians().sin(), 8f64.to_radians().cos(), 0.0);
         assert!((followed.direction - east).length() < 1e-12, "{followed:?}");

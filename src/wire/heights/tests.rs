@@ -1,9 +1,12 @@
 //! Height files made here, by the encoder of the same crate and by hand: what stands where, and what is refused.
 
 use super::*;
+use maker::{Maker, kinds};
 use std::io::Cursor;
 use tiff::encoder::{TiffEncoder, colortype::Gray32Float, colortype::GrayI16};
 use tiff::tags::Tag;
+
+mod maker;
 
 #[test]
 fn a_tile_lies_where_its_name_says_with_voids_left_open() {
@@ -80,6 +83,8 @@ fn whole_numbers_are_read_too_and_without_a_place_there_are_no_heights() {
     directory.write_tag(Tag::GeoKeyDirectoryTag, &usual().keys[..]).expect("keys");
     directory.write_tag(Tag::ModelPixelScaleTag, &usual().scale[..]).expect("scale");
     directory.write_tag(Tag::ModelTiepointTag, &usual().tie[..]).expect("tie point");
+    // Rows of a strip as many as a number can hold are all rows.
+    directory.write_tag(Tag::RowsPerStrip, u32::MAX).expect("rows of a strip");
     image.write_data(&[-5, 0, 7, 4_000]).expect("heights");
     assert_eq!(decode("a.tif", &bytes.into_inner()).expect("a grid").heights_m, [-5.0, 0.0, 7.0, 4_000.0]);
     let mut bytes = Cursor::new(Vec::new());
@@ -87,6 +92,76 @@ fn whole_numbers_are_read_too_and_without_a_place_there_are_no_heights() {
     encoder.write_image::<GrayI16>(2, 2, &[0; 4]).expect("an image");
     let said = decode("a.tif", &bytes.into_inner()).expect_err("no place").to_string();
     assert!(said.starts_with("the GeoTIFF's key directory is missing"), "{said}");
+}
+
+#[test]
+fn every_kind_of_file_gives_the_same_heights() {
+    let expected = Maker::plain().heights_m;
+    for (what, made) in kinds() {
+        let grid = decode("a.tif", &made.bytes()).unwrap_or_else(|wrong| panic!("{what}: {wrong}"));
+        assert_eq!((grid.columns, grid.heights_m.len(), grid.west_deg), (20, 360, 8.25), "{what}");
+        for (n, (found, expected)) in grid.heights_m.iter().zip(&expected).enumerate() {
+            let same = if n == 25 { found.is_nan() } else { *found == f32::from(*expected) };
+            assert!(same, "{what}, height {n}: {found}, not {expected}");
+        }
+    }
+    // The second of four tiles is left out: columns 16 to 19 of the first 16 rows are not known.
+    let sparse = Maker { tile: Some([16, 16]), left_out: Some(1), ..Maker::plain() };
+    let grid = decode("a.tif", &sparse.bytes()).expect("a grid");
+    for (n, height_m) in grid.heights_m.iter().enumerate() {
+        assert_eq!(height_m.is_nan(), n == 25 || n % 20 >= 16 && n < 320, "{n}");
+    }
+    // What is packed lies in the file and can be as large as the tags say: memory is not taken first.
+    for (tags, expected) in [
+        (
+            [(324, 4, vec![0xffff_ff00]), (325, 4, vec![2_048])],
+            "a strip or tile is 2048 bytes at 4294967040; it must lie",
+        ),
+        ([(324, 4, vec![8]), (325, 4, vec![300])], "the length of a strip or tile is 300; 2048 bytes cannot be packed"),
+    ] {
+        let made = Maker { tile: Some([32, 32]), tags: tags.to_vec(), ..Maker::plain() };
+        let said = decode("a.tif", &made.bytes()).expect_err("not there").to_string();
+        assert!(said.starts_with(expected), "{said}");
+    }
+    let empty = Maker { tile: Some([32, 32]), left_out: Some(0), ..Maker::plain() };
+    let said = decode("a.tif", &empty.bytes()).expect_err("nothing").to_string();
+    assert_eq!(said, "the number of strips or tiles with heights is 0; at least 1");
+}
+
+#[test]
+fn files_of_another_kind_are_refused_by_the_name_of_what_is_wrong() {
+    let said = |tags: &[(u16, u16, u64)]| {
+        let tags = tags.iter().map(|(tag, kind, value)| (*tag, *kind, vec![*value])).collect();
+        decode("a.tif", &Maker { tags, ..Maker::plain() }.bytes()).expect_err("not usable").to_string()
+    };
+    type One = &'static [(u16, u16, u64)];
+    let cases: [(One, &str); 17] = [
+        (&[(262, 3, 0)], "the photometric interpretation is 0; 1, BlackIsZero"),
+        (&[(284, 3, 2)], "the planar configuration is 2; 1"),
+        (&[(274, 3, 3)], "the orientation is 3; 1: rows from the north"),
+        (&[(277, 3, 3)], "the samples per pixel is 3; 1"),
+        (&[(266, 3, 2)], "the order of bits is 2; 1"),
+        (&[(259, 3, 50_000)], "the compression is 50000; 1 (none), 5 (LZW)"),
+        (&[(317, 3, 4)], "the predictor is 4; 1 (none)"),
+        (&[(258, 3, 12)], "the kind of the heights is format 2, 12 bits; "),
+        (&[(339, 3, 3)], "the kind of the heights is format 3, 16 bits; "),
+        // What overflowed in the reader of pictures where that is checked: rows as many as a number can be.
+        (&[(257, 4, 0xffff_ffff)], "the size is 20 x 4294967295; at most 36000000"),
+        (&[(257, 4, 0xffff_ffff), (284, 3, 2)], "the size is 20 x 4294967295; at most 36000000"),
+        (&[(256, 4, 0xffff_ffff), (257, 4, 0xffff_ffff)], "the size is 4294967295 x 4294967295"),
+        (&[(278, 3, 0)], "the tiles' size is 20 x 0; "),
+        (&[(279, 4, 40)], "the number of strips or tiles is 18 with 1 lengths; 18"),
+        (&[(278, 3, 4)], "the number of strips or tiles is 18 with 18 lengths; 5"),
+        (
+            &[(322, 3, 16), (323, 3, 16), (324, 4, 8), (325, 4, 8)],
+            "the places of the samples is missing, or there twice",
+        ),
+        (&[(256, 2, 20)], "the width is no single whole number (tag 256); one"),
+    ];
+    for (tags, expected) in cases {
+        let found = said(tags);
+        assert!(found.starts_with(expected), "{tags:?}: {found}");
+    }
 }
 
 #[test]
@@ -107,16 +182,21 @@ fn what_cannot_be_used_is_told() {
 
 #[test]
 fn cut_and_bent_files_are_refused_or_read_and_never_panic() {
-    let whole = geotiff(&usual());
-    for end in 0..whole.len() {
-        let _ = decode("a.tif", &whole[..end]);
-    }
-    for at in 0..whole.len() {
-        for bent in [0x00, 0x01, 0x7f, 0xff] {
-            let mut bytes = whole.clone();
-            bytes[at] = bent;
-            if let Ok(grid) = decode("a.tif", &bytes) {
-                assert!(grid.columns >= 2 && grid.heights_m.len().is_multiple_of(grid.columns));
+    // Strips and tiles, both headers, both orders, and each way of packing that has a state.
+    let some = ["strips", "BigTIFF, big endian, tiles", "deflate", "LZW with differences"];
+    for (what, made) in kinds().into_iter().filter(|(what, _)| some.contains(what)) {
+        let whole = made.bytes();
+        for end in 0..whole.len() {
+            let _ = decode("a.tif", &whole[..end]);
+        }
+        // Header, directory and keys; of the samples every seventh byte.
+        for at in (0..480.min(whole.len())).chain((480..whole.len()).step_by(7)) {
+            for bent in [0x00, 0x01, 0x7f, 0xff] {
+                let mut bytes = whole.clone();
+                bytes[at] = bent;
+                if let Ok(grid) = decode("a.tif", &bytes) {
+                    assert!(grid.columns >= 2 && grid.heights_m.len().is_multiple_of(grid.columns), "{what}: {at}");
+                }
             }
         }
     }

@@ -8,6 +8,8 @@ use crate::wire::cigi::packets::EntityControl;
 use crate::wire::cigi::scene::Moment;
 
 const SEA_LEVEL_M: f64 = 48.0;
+/// A mask of land alone.
+const LAND: u32 = bit(ground::MATERIAL_LAND);
 
 /// A closed deck of stratus from 1000 m to 1400 m above the ellipsoid, entity 1 at 47 N 8 E, 2000 m above sea level, heading east.
 fn known() -> Known {
@@ -105,15 +107,41 @@ fn a_segment_ends_at_cloud_by_its_threshold_and_mask() {
     assert!((1_200.0..1_352.0).contains(&hidden.alt_zoff), "{hidden:?}");
     assert!((hidden.range - (3_000.0 - hidden.alt_zoff)).abs() < 1e-3, "straight down: {hidden:?}");
     // A mask without cloud, and a destination above the deck: visible up to the end.
-    let through = seen(&known, LineOfSightSegmentRequest { material_mask: MASK_GROUND, ..segment() });
+    let through = seen(&known, LineOfSightSegmentRequest { material_mask: LAND, ..segment() });
     assert!(through.valid && through.visible && (through.range - 2_900.0).abs() < 1e-3, "{through:?}");
     let above = seen(&known, LineOfSightSegmentRequest { destination_alt_zoff: 1_500.0, ..segment() });
     assert!(above.valid && above.visible && above.alpha == 0, "{above:?}");
     // Under the ground the ground hides, 48 m under sea level.
-    let buried = LineOfSightSegmentRequest { destination_alt_zoff: -500.0, material_mask: MASK_GROUND, ..segment() };
+    let buried = LineOfSightSegmentRequest { destination_alt_zoff: -500.0, material_mask: LAND, ..segment() };
     let buried = seen(&known, buried);
-    assert_eq!((buried.visible, buried.material_code, buried.alpha), (false, ground::MATERIAL_GROUND, 255));
+    assert_eq!((buried.visible, buried.material_code, buried.alpha), (false, ground::MATERIAL_LAND, 255));
     assert!((buried.alt_zoff + 48.0).abs() < 1e-3 && buried.normal_vector_elevation == 90.0, "{buried:?}");
+}
+
+#[test]
+fn each_material_hides_by_its_own_bit() {
+    let known = known();
+    // Straight down to below the ground: 47 N 8 E is land, 56 N 3 E is sea.
+    let over = |latitude: f64, longitude: f64, material_mask: u32| {
+        let line = LineOfSightSegmentRequest {
+            source_lat_xoff: latitude,
+            source_lon_yoff: longitude,
+            destination_lat_xoff: latitude,
+            destination_lon_yoff: longitude,
+            destination_alt_zoff: -400.0,
+            material_mask,
+            ..segment()
+        };
+        let answer = seen(&known, line);
+        assert!(answer.valid, "{answer:?}");
+        answer.material_code
+    };
+    let (land, water, cloud) = (1, 2, 4);
+    for (mask, on_land, at_sea) in
+        [(land, 1, 0), (water, 0, 2), (land | water, 1, 2), (cloud, 3, 3), (8, 0, 0), (0, 3, 3)]
+    {
+        assert_eq!([over(47.0, 8.0, mask), over(56.0, 3.0, mask)], [on_land, at_sea], "mask {mask}");
+    }
 }
 
 #[test]
@@ -156,7 +184,7 @@ fn a_ray_that_meets_nothing_or_has_no_length_has_no_valid_answer() {
         source_lat_xoff: 47.0,
         source_lon_yoff: 8.0,
         source_alt_zoff: 3_000.0,
-        material_mask: MASK_GROUND,
+        material_mask: LAND,
         ..Default::default()
     };
     let down = seen(&known, ray.clone());

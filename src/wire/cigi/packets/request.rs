@@ -128,7 +128,7 @@ packets! {
         /// Destination alt zoff: m; altitude above MSL (or above terrain when clamped), or Z offset (Z down).
         destination_alt_zoff: f64, at(48), at(56), used("the destination");
         /// Material mask: bit mask; material ranges that count; IG-defined.
-        material_mask: u32, at(56), at(64), used("bit 0 ground, bit 2 cloud: what may hide; 0: both");
+        material_mask: u32, at(56), at(64), used("bit 0 land, bit 1 water, bit 2 cloud: what may hide; 0: all");
         /// Update period: frames, 0..255; 0 = one response; n>0 = a response every n-th frame until cancelled (same
         /// id, period 0) or entity destroyed.
         update_period: u8, at(60), at(12), used("0: once; n: every n-th frame");
@@ -203,7 +203,7 @@ packets! {
         /// Source alt zoff: m; altitude above MSL (or above terrain when clamped), or Z offset (Z down).
         source_alt_zoff: f64, at(40), at(48), used("the source");
         /// Material mask: bit mask.
-        material_mask: u32, at(48), at(56), used("bit 0 ground, bit 2 cloud: what may hide; 0: both");
+        material_mask: u32, at(48), at(56), used("bit 0 land, bit 1 water, bit 2 cloud: what may hide; 0: all");
         /// Update period: frames, 0..255; 0 = one response; n>0 = a response every n-th frame until cancelled (same
         /// id, period 0) or entity destroyed.
         update_period: u8, at(52), at(10), used("0: once; n: every n-th frame");

@@ -77,7 +77,7 @@ packets! {
         /// Hot: m; terrain height above MSL.
         hot: f64, at(16), at(16), sent("height of terrain");
         /// Material code: IG-defined.
-        material_code: u32, at(24), at(24), sent("1 ground");
+        material_code: u32, at(24), at(24), sent("1 land, 2 water");
         /// Normal vector azimuth: deg, -180..180.
         normal_vector_azimuth: f32, at(28), at(28), sent("of the ground, which is level");
         /// Normal vector elevation: deg, -90..90.
@@ -200,7 +200,7 @@ packets! {
         /// Alpha: 0..255.
         alpha: u8 = 255, at(43), at(51), sent("opacity up to the point, of 255");
         /// Material code: IG-defined.
-        material_code: u32, at(44), at(52), sent("1 ground, 3 cloud");
+        material_code: u32, at(44), at(52), sent("1 land, 2 water, 3 cloud, 0 nothing hides");
         /// Normal vector azimuth: deg, -180..180.
         normal_vector_azimuth: f32, at(48), at(56), sent("of the surface");
         /// Normal vector elevation: deg, -90..90.

@@ -33,12 +33,17 @@ pub struct Storm {
 }
 
 impl Storm {
+    /// Its name in the world.
+    pub fn name(&self) -> String {
+        let place = if self.shape.name.is_empty() { "global" } else { &self.shape.name };
+        format!("cigi-{place}-{}", self.layer)
+    }
+
     /// The storm as the world has it.
     pub fn request(&self) -> StormRequest {
         let severity = usize::from(self.severity.min(5));
-        let place = if self.shape.name.is_empty() { "global" } else { &self.shape.name };
         StormRequest {
-            name: format!("cigi-{place}-{}", self.layer),
+            name: self.name(),
             latitude_deg: self.shape.latitude_deg,
             longitude_deg: self.shape.longitude_deg,
             size_east_m: self.shape.size_east_m,

@@ -186,9 +186,13 @@ impl Weather {
     /// What the world is to hear of storms: as many as it has room for, those near the ownship.
     fn storm_commands(&mut self, entities: &Entities, commands: &mut Vec<Command>) {
         let ownship = entities.pose(OWNSHIP).map(|pose| pose.position);
-        let storms = nearest(self.storms(entities), ownship.as_ref(), MAX_STORMS, |storm| &storm.shape);
-        let requests = storms.into_iter().map(|storm| storm.request());
-        let mut wanted: BTreeMap<String, StormRequest> = requests.map(|storm| (storm.name.clone(), storm)).collect();
+        let raging =
+            self.raging().filter_map(|((place, layer), said)| self.storm(*place, *layer, &said.packet, entities));
+        let storms: Vec<(Storm, String)> = raging.map(|storm| (storm.clone(), storm.name())).collect();
+        let heard = |(_, name): &(Storm, String)| self.heard_storms.contains_key(name);
+        let storms = nearest(storms, ownship.as_ref(), MAX_STORMS, |(storm, _)| &storm.shape, heard);
+        let mut wanted: BTreeMap<String, StormRequest> =
+            storms.into_iter().map(|(storm, name)| (name, storm.request())).collect();
         for name in self.heard_storms.keys().filter(|name| !wanted.contains_key(*name)) {
             commands.push(Command::RemoveStorm { name: name.clone() });
         }
@@ -236,12 +240,6 @@ impl Weather {
         Air { global, sea_level_m, layers }
     }
 
-    /// The storms that rage: layers with random lightning.
-    pub fn storms(&self, entities: &Entities) -> Vec<Storm> {
-        let storm = |((place, layer), said): (&(Place, u8), &Said)| self.storm(*place, *layer, &said.packet, entities);
-        self.raging().filter_map(storm).collect()
-    }
-
     /// A storm of the weather of a place, for a single strike: in its first layer with cloud.
     pub fn storm_at(&self, place: Place, severity: u8, entities: &Entities) -> Option<Storm> {
         let storm = match self.said_of(place).find(|said| clouds::is_cloud(&said.packet)) {
@@ -270,7 +268,7 @@ impl Weather {
         Some(Storm { shape: self.shape_of(place, entities)?, base_m, severity, seed, layer })
     }
 
-    /// The ground on which a place's storm rages.
+    /// The ground on which a place has its weather; `None`: there is no such place.
     fn shape_of(&self, place: Place, entities: &Entities) -> Option<RegionShape> {
         match place {
             Place::Global => entities.pose(OWNSHIP).map(|pose| RegionShape {
@@ -283,38 +281,32 @@ impl Weather {
                 rotation_deg: 0.0,
                 transition_m: 0.0,
             }),
-            _ => self.places(entities).into_iter().find(|(other, ..)| *other == place).map(|(_, shape, _)| shape),
+            Place::Region(id) => self.regions.get(&id).filter(|region| is_active(region)).map(region_shape),
+            Place::Entity(id) => entities.pose(id).map(|pose| RegionShape {
+                name: format!("entity-{id}"),
+                latitude_deg: deg(pose.position.latitude_rad),
+                longitude_deg: deg(pose.position.longitude_rad),
+                size_east_m: ENTITY_WEATHER_M,
+                size_north_m: ENTITY_WEATHER_M,
+                corner_radius_m: 0.5 * ENTITY_WEATHER_M,
+                rotation_deg: 0.0,
+                transition_m: ENTITY_TRANSITION_M,
+            }),
         }
     }
 
-    /// Regions and entities that have weather, as many as the world draws (the nearest to the ownship), with their outlines and whether they keep the
-    /// weather around them.
+    /// Regions and entities that have weather, as many as the world takes (the nearest to the ownship), with their outlines and
+    /// whether they keep the weather around them.
     fn places(&self, entities: &Entities) -> Vec<(Place, RegionShape, bool)> {
-        const ACTIVE: u8 = 1;
-        let regions = self
-            .regions
-            .values()
-            .filter(|region| region.region_state == ACTIVE)
-            .map(|region| (Place::Region(region.region_id), region_shape(region), region.merge_weather_properties));
-        let carried = self.layers.keys().filter_map(|(place, _)| match place {
-            Place::Entity(id) => {
-                let pose = entities.pose(*id)?;
-                let shape = RegionShape {
-                    name: format!("entity-{id}"),
-                    latitude_deg: deg(pose.position.latitude_rad),
-                    longitude_deg: deg(pose.position.longitude_rad),
-                    size_east_m: ENTITY_WEATHER_M,
-                    size_north_m: ENTITY_WEATHER_M,
-                    corner_radius_m: 0.5 * ENTITY_WEATHER_M,
-                    rotation_deg: 0.0,
-                    transition_m: ENTITY_TRANSITION_M,
-                };
-                Some((*place, shape, true))
-            }
-            _ => None,
-        });
+        let regions =
+            self.regions.values().map(|region| (Place::Region(region.region_id), region.merge_weather_properties));
+        let entity = |place: &Place| matches!(place, Place::Entity(_)).then_some((*place, true));
+        let carried = self.layers.keys().filter_map(|(place, _)| entity(place));
+        let all =
+            regions.chain(carried).filter_map(|(place, merges)| Some((place, self.shape_of(place, entities)?, merges)));
         let ownship = entities.pose(OWNSHIP).map(|pose| pose.position);
-        nearest(regions.chain(carried).collect(), ownship.as_ref(), MAX_REGIONS, |(_, shape, _)| shape)
+        let heard = |(_, shape, _): &(Place, RegionShape, bool)| self.heard_regions.contains_key(&shape.name);
+        nearest(all.collect(), ownship.as_ref(), MAX_REGIONS, |(_, shape, _)| shape, heard)
     }
 
     fn raging(&self) -> impl Iterator<Item = (&(Place, u8), &Said)> {
@@ -338,6 +330,11 @@ fn near(a: &RegionShape, b: &RegionShape) -> bool {
     let moved = (a.latitude_deg - b.latitude_deg).abs() + half_turn(a.longitude_deg - b.longitude_deg).abs();
     let here = RegionShape { latitude_deg: a.latitude_deg, longitude_deg: a.longitude_deg, ..b.clone() };
     a == b || *a == here && a.name.starts_with("entity-") && moved * metres_per_degree < ENTITY_STEP_M
+}
+
+fn is_active(region: &EnvironmentalRegionControl) -> bool {
+    const ACTIVE: u8 = 1;
+    region.region_state == ACTIVE
 }
 
 fn region_shape(region: &EnvironmentalRegionControl) -> RegionShape {

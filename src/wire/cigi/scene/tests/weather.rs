@@ -197,7 +197,7 @@ fn of_many_regions_and_storms_the_world_has_those_near_the_ownship() {
     let mut host = Host::new();
     let storm =
         WeatherControl { scope: 1, random_lightning_enable: true, severity: 5, ..cloud(1, 6, 1_000.0, 8_000.0) };
-    host.says([ownship(47.0, 25.0, 900.0).into()]);
+    let mut all: Vec<Packet> = vec![ownship(47.0, 25.1, 900.0).into()];
     for id in 0..40_u16 {
         let region = EnvironmentalRegionControl {
             region_id: id,
@@ -208,10 +208,11 @@ fn of_many_regions_and_storms_the_world_has_those_near_the_ownship() {
             size_y: 10_000.0,
             ..Default::default()
         };
-        host.says([region.into(), WeatherControl { entity_region_id: id, ..storm.clone() }.into()]);
+        all.extend([region.into(), WeatherControl { entity_region_id: id, ..storm.clone() }.into()]);
     }
-    // Sixteen of a degree each, as many on either side of the ownship as there are.
-    for (at, there) in [(25.1, 18..34_u16), (3.0, 0..16)] {
+    host.says(all);
+    // 32 regions and 16 storms, as many on either side of the ownship as there are.
+    for (at, there, raging) in [(25.1, 8..40_u16, 18..34_u16), (3.0, 0..32, 0..16)] {
         host.says([ownship(47.0, at, 900.0).into()]);
         host.world.advance_to(30.0 - at);
         let (mut regions, mut storms): (Vec<_>, Vec<_>) = (
@@ -220,13 +221,21 @@ fn of_many_regions_and_storms_the_world_has_those_near_the_ownship() {
         );
         regions.sort();
         storms.sort();
-        let named = |name: fn(u16) -> String| {
-            let mut names: Vec<_> = there.clone().map(name).collect();
+        let named = |ids: std::ops::Range<u16>, name: fn(u16) -> String| {
+            let mut names: Vec<_> = ids.map(name).collect();
             names.sort();
             names
         };
-        assert_eq!(regions, named(|id| format!("region-{id}")));
-        assert_eq!(storms, named(|id| format!("cigi-region-{id}-1")));
+        assert_eq!(regions, named(there, |id| format!("region-{id}")));
+        assert_eq!(storms, named(raging, |id| format!("cigi-region-{id}-1")));
+    }
+    // To and fro between two places where others are nearest by a little: nothing comes or goes.
+    for at in [20.2, 20.8] {
+        host.says([ownship(47.0, at, 900.0).into()]);
+    }
+    for to_and_fro in 0..6 {
+        let at = if to_and_fro % 2 == 0 { 20.2 } else { 20.8 };
+        assert!(host.says([ownship(47.0, at, 900.0).into()]) <= 1, "the ownship moves, and nothing else");
     }
     assert!(host.refused.is_empty(), "{:?}", host.refused);
 }
