@@ -1,24 +1,59 @@
-//! Time of light in clouds: one batch of a bake, and a bolt by each method, on one thread, at the sizes of Dobashi et al. 2007.
+//! Time of light in clouds on one thread, at the sizes of Dobashi et al. 2007: parts of a bake, sums, and a bolt by each method.
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use std::collections::{BTreeMap, BTreeSet};
 use std::hint::black_box;
+use stormdeck::numeric::haar::Haar;
 use stormdeck::numeric::noise::fractal;
 use stormdeck::scattering::basis::{Basis, Content, Recipe, USUAL_PACKING};
+use stormdeck::scattering::compress::{Ambient, Sum};
 use stormdeck::scattering::lights::Lights;
 use stormdeck::scattering::medium::Medium;
 use stormdeck::scattering::ordinates::{Params, PointSource, Solver};
 use stormdeck::scattering::phase::Phase;
 use stormdeck::scattering::relight::{Method, Relighter};
 
-/// A cloud of 32 x 32 x 4 cells of at most this optical depth.
-fn cloud(depth: f32) -> Medium {
-    let values = (0..4096)
+/// A cloud of the paper's size, 32 x 32 x 4 cells of at most this optical depth, or of finer cells.
+fn cloud(depth: f32, finer: usize) -> Medium {
+    let cells = [32, 32, 4].map(|n| n * finer);
+    let edge = 1.0 / finer as f64;
+    let values = (0..cells.iter().product::<usize>())
         .map(|i| {
-            let at = glam::Vec3::new((i % 32) as f32 / 4.0, (i / 32 % 32) as f32 / 4.0, (i / 1024) as f32 / 2.0);
-            (0.4 + 0.8 * fractal(at, [8, 8, 2], 3, 5)).clamp(0.0, 1.0) * depth
+            let at = [i % cells[0], i / cells[0] % cells[1], i / (cells[0] * cells[1])];
+            let [x, y, z] = at.map(|n| (n as f64 * edge) as f32);
+            (0.4 + 0.8 * fractal(glam::Vec3::new(x / 4.0, y / 4.0, z / 2.0), [8, 8, 2], 3, 5)).clamp(0.0, 1.0) * depth
         })
         .collect();
-    Medium::new([32, 32, 4], [1.0; 3], values, false).expect("a medium")
+    Medium::new(cells, [edge; 3], values, false).expect("a medium")
+}
+
+/// The paper's 2,800 lights.
+fn recipe(medium: &Medium, content: Content) -> Recipe {
+    let params = Params { phase: Phase::HenyeyGreenstein(0.85), albedo: 0.99, tolerance: 1e-3, ..Params::default() };
+    let lights = Lights::even([20, 20, 7], medium.size_m(), 4.0, false).expect("lights");
+    Recipe { medium: medium.clone(), params, lights, content, packing: USUAL_PACKING }
+}
+
+/// 200 points from inside the cloud to below it.
+fn bolt() -> Vec<PointSource> {
+    (0..200)
+        .map(|i| {
+            let t = f64::from(i) / 200.0;
+            let position_m = [14.0 + 2.0 * (9.0 * t).sin(), 17.0 - 3.0 * t, 3.5 - 6.0 * t];
+            PointSource { position_m, intensity: 0.005 }
+        })
+        .collect()
+}
+
+/// The bolt's weights on the lights (eq. 6).
+fn weights(recipe: &Recipe) -> BTreeMap<usize, f32> {
+    let mut weights = BTreeMap::new();
+    for point in bolt() {
+        for (light, share) in recipe.lights.shares(point.position_m).lights {
+            *weights.entry(light).or_insert(0.0) += (share * point.intensity) as f32;
+        }
+    }
+    weights
 }
 
 fn light(criterion: &mut Criterion) {
@@ -27,7 +62,7 @@ fn light(criterion: &mut Criterion) {
     group.sample_size(10);
     for depth in [1.0, 4.0, 16.0] {
         let params = Params { phase: Phase::HenyeyGreenstein(0.85), albedo: 0.99, ..Params::default() };
-        let solver = Solver::new(&cloud(depth), params).expect("a solver");
+        let solver = Solver::new(&cloud(depth, 1), params).expect("a solver");
         let points: Vec<[PointSource; 1]> = (0..16)
             .map(|i| [PointSource { position_m: [8.3 + f64::from(i), 15.2, 1.1 + 0.1 * f64::from(i)], intensity: 1.0 }])
             .collect();
@@ -36,22 +71,38 @@ fn light(criterion: &mut Criterion) {
             b.iter(|| solver.solve(black_box(&lanes)).expect("solved"));
         });
     }
-    let medium = cloud(1.0);
-    let params = Params { phase: Phase::HenyeyGreenstein(0.85), albedo: 0.99, tolerance: 1e-3, ..Params::default() };
-    let lights = Lights::even([8, 8, 4], medium.size_m(), 4.0, false).expect("lights");
+    for (finer, parts) in [(1, 25), (2, 175)] {
+        let recipe = recipe(&cloud(1.0 / finer as f32, finer), Content::Diffuse);
+        let [nx, ny, nz] = recipe.medium.cells;
+        // From the middle, where the source lies in the cloud.
+        let share = recipe.share(parts / 2, parts);
+        group.bench_function(format!("bake, 1/{parts} of 2,800 lights, {nx}x{ny}x{nz}"), |b| {
+            b.iter(|| recipe.bake(share.clone(), |_, block| Ok::<_, ()>(drop(black_box(block)))).expect("baked"));
+        });
+    }
+    for finer in [1, 2] {
+        let recipe = recipe(&cloud(1.0 / finer as f32, finer), Content::Total);
+        let [nx, ny, nz] = recipe.medium.cells;
+        let weights = weights(&recipe);
+        let basis = Basis::bake_for(recipe, &weights.keys().copied().collect()).expect("a basis");
+        let haar = Haar::new(basis.recipe.medium.cells);
+        group.bench_function(format!("weighted sum and inverse, published scheme, {nx}x{ny}x{nz}"), |b| {
+            b.iter(|| {
+                let mut sum = Sum::new(&haar, basis.recipe.components(), Ambient::Off);
+                weights.iter().for_each(|(light, weight)| sum.add(&basis.blocks[*light], *weight));
+                sum.fields()
+            });
+        });
+    }
+    let medium = cloud(1.0, 1);
     let [total, diffuse] = [Content::Total, Content::Diffuse].map(|content| {
-        let recipe = Recipe { medium: medium.clone(), params, lights: lights.clone(), content, packing: USUAL_PACKING };
-        Basis::bake(recipe).expect("a basis")
+        let recipe = recipe(&medium, content);
+        let lights: BTreeSet<usize> = weights(&recipe).into_keys().collect();
+        Basis::bake_for(recipe, &lights).expect("a basis")
     });
-    let solver = Solver::new(&medium, params).expect("a solver");
+    let solver = Solver::new(&medium, total.recipe.params).expect("a solver");
     let relighter = Relighter::new(&medium, &solver);
-    let bolt: Vec<PointSource> = (0..200)
-        .map(|i| {
-            let t = f64::from(i) / 200.0;
-            let position_m = [14.0 + 2.0 * (9.0 * t).sin(), 17.0 - 3.0 * t, 3.5 - 6.0 * t];
-            PointSource { position_m, intensity: 0.005 }
-        })
-        .collect();
+    let bolt = bolt();
     for method in [Method::Point, Method::Single, Method::Basis, Method::Hybrid, Method::Solve] {
         let table = match method.table() {
             Some(Content::Total) => Some(&total),

@@ -54,6 +54,8 @@ pub struct Settings {
     pub light_encoding: LightEncodingName,
     /// How flashes light the clouds.
     pub relight: RelightName,
+    /// Memory in MiB that tables of virtual lights may take.
+    pub basis_memory_mib: u32,
     /// Ratio between the radii of neighbouring billboard rings, above 1.
     pub ring_ratio: f64,
     /// Most strokes of lightning in any one second that give light, for people sensitive to flicker; `None`: no limit.
@@ -176,6 +178,7 @@ impl Settings {
             deck_form: self.deck_form.into(),
             light_encoding: self.light_encoding.into(),
             relight: self.relight.into(),
+            basis_memory_mib: self.basis_memory_mib,
         }
     }
 
@@ -221,6 +224,7 @@ impl Settings {
             deck_form: file.deck_form,
             light_encoding: file.light_encoding,
             relight: file.relight,
+            basis_memory_mib: file.basis_memory_mib,
             ring_ratio: file.ring_ratio,
             flicker_guard_per_s: file.flicker_guard_per_s,
             terrain: file.terrain,

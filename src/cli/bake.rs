@@ -3,11 +3,13 @@
 use super::Failure;
 use super::progress::Progress;
 use crate::clouds::coverage::Coverage;
+use crate::numeric::haar::Haar;
 use crate::scattering::basis::{BakeError, Content, Recipe, USUAL_PACKING};
+use crate::scattering::compress::{Packing, Width, threshold_for};
 use crate::scattering::deck::Deck;
 use crate::scattering::file;
 use crate::scattering::lights::Lights;
-use crate::scattering::ordinates::Params;
+use crate::scattering::ordinates::{self, Params, SolveError, Solver};
 use crate::scattering::phase::Phase;
 use crate::world::World;
 use crate::world::command::{Command, ScenarioEdit};
@@ -34,6 +36,23 @@ pub(super) struct Options {
     /// How well each light is solved: residual relative to its first scattering.
     #[arg(long, default_value_t = 1e-3)]
     tolerance: f64,
+    /// How coefficients are stored: f32, f16 or byte.
+    #[arg(long, default_value = "f16", value_parser = width)]
+    width: Width,
+    /// Coefficients below this share of the norm (light of 1 W/sr a cell's edge away, times the root of the number of cells) are
+    /// dropped; the usual one keeps bolts within 3 %.
+    #[arg(long, value_name = "SHARE", conflicts_with = "error")]
+    threshold: Option<f64>,
+    /// Drops as much as keeps the stored light within this relative error (root of summed squares), told by a sample of the lights.
+    #[arg(long, value_name = "SHARE")]
+    error: Option<f64>,
+    /// Interval of the lights in place of `--lights`, m: even across and through the layer, and below it as far apart as
+    /// `--fall` allows.
+    #[arg(long, value_name = "METRES", conflicts_with = "lights")]
+    interval: Option<f64>,
+    /// By how much light over distance squared may fall from one light below the layer to the next, 1/m^2.
+    #[arg(long, value_name = "FALL", default_value_t = 1e-6, requires = "interval")]
+    fall: f64,
     /// What is stored: `diffuse` (for the hybrid method) or `total` (the published scheme).
     #[arg(long, default_value = "diffuse", value_parser = ["diffuse", "total"])]
     content: String,
@@ -64,6 +83,15 @@ const SHUTTER_S: f64 = 0.01;
 fn triple(text: &str) -> Result<[usize; 3], String> {
     let numbers: Result<Vec<usize>, _> = text.split('x').map(str::parse).collect();
     numbers.ok().and_then(|n| n.try_into().ok()).ok_or_else(|| format!("`{text}` is not like 32x32x4"))
+}
+
+fn width(text: &str) -> Result<Width, String> {
+    match text {
+        "f32" => Ok(Width::F32),
+        "f16" => Ok(Width::F16),
+        "byte" => Ok(Width::Log8),
+        _ => Err("f32, f16 or byte".to_owned()),
+    }
 }
 
 /// Bakes or merges.
@@ -124,10 +152,46 @@ fn recipe(options: &Options) -> Result<Recipe, Failure> {
     let deck = Deck { kind: layer.kind, theta, density: layer.density as f32, thickness_m: layer.thickness_m as f32 };
     let medium = deck.medium(options.cells).map_err(|why| wrong(why.to_string()))?;
     let below_m = layer.base_m.max(0.0);
-    let lights = Lights::even(options.lights, medium.size_m(), below_m, true).map_err(|why| wrong(why.to_string()))?;
+    let size_m = medium.size_m();
+    let lights = match options.interval {
+        Some(interval_m) => Lights::spaced(interval_m, options.fall, size_m, below_m, true),
+        None => Lights::even(options.lights, size_m, below_m, true),
+    };
+    let lights = lights.map_err(|why| wrong(why.to_string()))?;
     let content = if options.content == "total" { Content::Total } else { Content::Diffuse };
     let params = Params { phase: Phase::HenyeyGreenstein(0.85), tolerance: options.tolerance, ..Params::default() };
-    Ok(Recipe { medium, params, lights, content, packing: USUAL_PACKING })
+    ordinates::check(&params).map_err(|why| wrong(why.to_string()))?;
+    for (name, value) in [("--threshold", options.threshold), ("--error", options.error)] {
+        if let Some(value) = value.filter(|value| !(*value >= 0.0 && *value < 1.0)) {
+            return Err(wrong(format!("{name} {value}: 0 or more, below 1")));
+        }
+    }
+    let threshold = options.threshold.unwrap_or(USUAL_PACKING.threshold);
+    let recipe = Recipe { medium, params, lights, content, packing: Packing { threshold, width: options.width } };
+    match options.error {
+        Some(error) => within(recipe, error),
+        None => Ok(recipe),
+    }
+}
+
+/// Lights whose fields tell the threshold of a target error: some batches, evenly spread.
+const SAMPLE: usize = 8;
+
+/// The recipe with the threshold at which its fields are stored within an error. It hangs on the recipe alone, so that shares and
+/// resumed bakes find the same one.
+fn within(recipe: Recipe, error: f64) -> Result<Recipe, Failure> {
+    let failed = |why: SolveError| Failure::Run(why.to_string());
+    let solver = Solver::new(&recipe.medium, recipe.params).map_err(|why| Failure::Input(why.to_string()))?;
+    let batches = recipe.batches();
+    let some: Vec<_> = batches.iter().step_by(batches.len().div_ceil(SAMPLE)).cloned().collect();
+    let mut sample = Vec::new();
+    for batch in some {
+        // One light of each: those of a column are alike.
+        sample.extend(recipe.fields(&solver, batch).map_err(failed)?.into_iter().nth(1));
+    }
+    let (width, norm) = (recipe.packing.width, recipe.norm());
+    let threshold = threshold_for(&Haar::new(recipe.medium.cells), &sample, width, norm, error);
+    Ok(Recipe { packing: Packing { threshold, width }, ..recipe })
 }
 
 /// Bakes one share into a file, going on where one was left.
@@ -251,6 +315,11 @@ mod tests {
             at: 0.0,
             layer: 0,
             tolerance: 1e-2,
+            width: Width::F16,
+            threshold: None,
+            error: None,
+            interval: None,
+            fall: 1e-6,
             content: "diffuse".into(),
             cells: [8, 8, 2],
             lights: [2, 2, 3],
@@ -293,14 +362,30 @@ mod tests {
         let merge = vec![at("share2"), at("share0"), at("share1")];
         run(&Options { scenario: None, merge, ..options(&at("merged")) }).expect("merged");
         assert_eq!(std::fs::read(at("merged")).expect("written"), whole);
-        // Killed somewhere in the header, in a block, in the trailer, and not at all.
-        for cut in [0, 5, 700, whole.len() / 2, whole.len() - 3, whole.len()] {
+        // Killed anywhere: in the header, in a block, between blocks, in the trailer, and not at all.
+        let steps = (0..=24).map(|i| whole.len() * i / 24);
+        for cut in steps.chain([5, 700, whole.len() - 3]) {
             std::fs::write(at("torn"), &whole[..cut]).expect("written");
             run(&options(&at("torn"))).expect("gone on with");
             assert_eq!(std::fs::read(at("torn")).expect("written"), whole, "{cut}");
         }
         run(&Options { cache, ..options(&at("cached")) }).expect("copied");
         assert_eq!(std::fs::read(at("cached")).expect("written"), whole);
+    }
+
+    #[test]
+    fn a_target_error_is_kept_by_every_width_that_can() {
+        let folder = Folder::new("error");
+        for (width, error) in [(Width::F32, 0.01), (Width::F16, 0.03), (Width::Log8, 0.06)] {
+            let out = folder.0.join(format!("{width:?}"));
+            run(&Options { width, error: Some(error), interval: Some(4_000.0), ..options(&out) }).expect("baked");
+            let basis = file::read(&std::fs::read(&out).expect("written")).expect("a basis");
+            assert_eq!(basis.recipe.packing.width, width);
+            // A sample told the threshold: the other lights may be a little worse.
+            assert!(basis.error() < 1.5 * error && basis.error() > 0.1 * error, "{width:?}: {}", basis.error());
+            // Below the layer lights stand farther and farther apart.
+            assert!(basis.recipe.lights.z_m[0] < 0.0);
+        }
     }
 
     #[test]
@@ -316,6 +401,10 @@ mod tests {
             Options { at: -1.0, ..options(&out) },
             Options { cells: [7, 8, 2], ..options(&out) },
             Options { lights: [0, 1, 1], ..options(&out) },
+            Options { interval: Some(-1.0), ..options(&out) },
+            Options { threshold: Some(f64::NAN), ..options(&out) },
+            Options { error: Some(1.5), ..options(&out) },
+            Options { tolerance: 0.0, ..options(&out) },
             Options { index: Some(3), of: Some(3), ..options(&out) },
             Options { scenario: Some("no such".into()), ..options(&out) },
         ] {

@@ -62,7 +62,7 @@ pub(super) struct Options {
     /// Slices per cloud layer.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(limits::SLICES.min as i64..=limits::SLICES.max as i64))]
     slices: Option<u32>,
-    /// How flashes light the clouds: point, single, solve or reference.
+    /// How flashes light the clouds: point, single, basis, hybrid, solve or reference.
     #[arg(long, value_name = "METHOD", value_parser = relight)]
     relight: Option<Lighting>,
     /// Prints the plan of the (first) picture: each pass, kept or left out, and why.

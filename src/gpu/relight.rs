@@ -35,6 +35,7 @@ struct Atlas {
 impl Fields {
     /// Makes the fields of a plan and binds them.
     pub fn bind(&mut self, gpu: &Gpu, plan: &FramePlan) -> Bound {
+        self.store.tables().set_most((plan.basis_memory_mib as usize) << 20);
         let prepared = Prepared::new(&mut self.store, &plan.lit, &plan.ahead, plan.waits);
         let lits = gpu.buffer("lits", bytemuck::bytes_of(&prepared.lits), wgpu::BufferUsages::STORAGE);
         let quotients = if prepared.fields.iter().any(Option::is_some) {

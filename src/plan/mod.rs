@@ -65,6 +65,8 @@ pub struct FramePlan {
     pub lit: Vec<LitFlash>,
     /// What the coming frames' flashes may be lit by: made beforehand where pictures do not wait.
     pub ahead: Vec<Arc<Request>>,
+    /// Memory in MiB that tables of virtual lights may take.
+    pub basis_memory_mib: u32,
     /// Whether the picture waits until everything that it needs has been made. Running free it does not: what is still
     /// being made is stood in for, and the picture is provisional.
     pub waits: bool,
@@ -192,6 +194,7 @@ pub fn plan(snapshot: &Snapshot, view: &ViewState, output: Output) -> FramePlan 
         strokes,
         lit,
         ahead,
+        basis_memory_mib: snapshot.quality.basis_memory_mib,
         waits: true,
         notes,
     }

@@ -3,6 +3,8 @@
 //! A field hangs on the flash and the weather around it alone, as they were when the flash began: not on the eye, so that all
 //! views share it, and not on the frame, so that strokes only change its brightness.
 
+mod patch;
+
 use super::PassNote;
 use super::eye::Eye;
 use super::layers::extent_m;
@@ -16,12 +18,13 @@ use crate::lightning::flash::Light;
 use crate::lightning::strike::{Source, StrikeChannel};
 use crate::passes::deck::{Layer, REGIONS, Region};
 use crate::passes::relight::cloud::too_thin;
+use crate::passes::relight::patch::bytes;
 use crate::passes::relight::{FIELDS, Lighting, LitFlash, Placing, Point, Request};
 use crate::world::command::Exposure;
 use crate::world::snapshot::{FlashState, LayerState, OwnshipState, Snapshot, ViewState, WeatherState};
 use bytemuck::Zeroable;
 use glam::{DQuat, DVec3};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// Points farther than this above or below a layer do not light it by a field, m.
@@ -69,13 +72,13 @@ pub fn split<'a>(
     let (mut lit, mut points, mut ahead) = (Vec::new(), Vec::new(), Vec::new());
     for (rank, part) in parts.iter().enumerate() {
         let Part { flash, intensity_cd, .. } = *part;
-        let Some(request) = (rank < FIELDS).then(|| request(snapshot, part, method)).flatten() else {
+        let Some((request, there)) = (rank < FIELDS).then(|| request(snapshot, part, method)).flatten() else {
             bare(&mut points, flash, intensity_cd);
             continue;
         };
         // A part comes to and leaves its place among the brightest with no light in its field.
         let share = 1.0 - next / part.strength.max(1e-30);
-        lit.push(LitFlash { request: Arc::new(request), placing: placing(flash, eye, intensity_cd * share) });
+        lit.push(LitFlash { request: Arc::new(request), placing: placing(&there, eye, intensity_cd * share) });
         if share < 1.0 {
             bare(&mut points, flash, intensity_cd * (1.0 - share));
         }
@@ -84,18 +87,26 @@ pub fn split<'a>(
         let same =
             |other: &&Part| (other.flash.id, other.channel, other.branches) == (part.flash.id, part.channel, false);
         if parts.iter().find(same).is_none() {
-            ahead.extend(request(snapshot, &Part { branches: false, ..*part }, method).map(Arc::new));
+            ahead.extend(
+                request(snapshot, &Part { branches: false, ..*part }, method).map(|(request, _)| Arc::new(request)),
+            );
         }
     }
     let why = match (lit.len(), points.len()) {
         (0, _) => "no flash gives light to a cloud by a field".to_owned(),
-        (fields, 0) => format!("{fields} fields of light by {}", method.name()),
+        (fields, 0) => format!("{fields} fields of light by {}", by(&lit)),
         (fields, bare) => {
-            format!("{fields} fields of light by {}; {bare} flashes are points, in part or whole", method.name())
+            format!("{fields} fields of light by {}; {bare} flashes are points, in part or whole", by(&lit))
         }
     };
     notes.push(note(!lit.is_empty(), why));
     (lit, points, ahead)
+}
+
+/// Names of the methods that find some fields' light: another than was asked for where a table is larger than all may be.
+fn by(lit: &[LitFlash]) -> String {
+    let methods: BTreeSet<Lighting> = lit.iter().map(|flash| flash.request.method).collect();
+    methods.into_iter().map(Lighting::name).collect::<Vec<_>>().join(" and ")
 }
 
 /// Adds to a flash's light as a point: parts of one flash are one point.
@@ -136,9 +147,9 @@ fn note(kept: bool, why: String) -> PassNote {
     PassNote { pass: "relight", kept, why }
 }
 
-/// An eye on the ground below a flash: its axes are those of the field.
-fn below(flash: &FlashState) -> Eye {
-    let position = Geodetic { altitude_m: 0.0, ..flash.position };
+/// An eye on the ground below a place: its axes are those of a field.
+fn below(position: &Geodetic) -> Eye {
+    let position = Geodetic { altitude_m: 0.0, ..*position };
     let ownship = OwnshipState { position, attitude: Default::default() };
     let view = ViewState {
         name: String::new(),
@@ -156,8 +167,7 @@ fn below(flash: &FlashState) -> Eye {
     Eye::new(&ownship, &view, &Terrain::ELLIPSOID)
 }
 
-fn placing(flash: &FlashState, eye: &Eye, intensity_cd: f64) -> Placing {
-    let there = below(flash);
+fn placing(there: &Eye, eye: &Eye, intensity_cd: f64) -> Placing {
     let axis = |axis: DVec3| eye.direction(axis).to_array();
     Placing {
         axes: [axis(there.enu.x_axis), axis(there.enu.y_axis), axis(there.enu.z_axis)],
@@ -166,14 +176,15 @@ fn placing(flash: &FlashState, eye: &Eye, intensity_cd: f64) -> Placing {
     }
 }
 
-/// What a part's field is made from; `None` where no cloud is near, and while there is no channel.
-fn request(snapshot: &Snapshot, part: &Part, method: Lighting) -> Option<Request> {
+/// What a part's field is made from and the ground point that it lies about; `None` where no cloud is near, and while there is
+/// no channel. Where a table would be larger than all tables may be, the flash is solved.
+fn request(snapshot: &Snapshot, part: &Part, method: Lighting) -> Option<(Request, Eye)> {
     let flash = part.flash;
     let points = points(flash.channel.as_deref()?, part);
     if points.is_empty() {
         return None;
     }
-    let there = below(flash);
+    let there = below(&flash.position);
     let regions = regions::near(snapshot, &there, &mut Vec::new());
     let around: f64 = regions.iter().map(|region| 1.0 - region.weight).product();
     let weathers = std::iter::once((0, &snapshot.weather, around))
@@ -188,20 +199,35 @@ fn request(snapshot: &Snapshot, part: &Part, method: Lighting) -> Option<Request
         }
     }
     let (_, column, layer) = best?;
-    let since_s = snapshot.simulation_time_s - flash.begin_s;
+    let drift = blown_back(layer, &there, snapshot.simulation_time_s - flash.begin_s);
+    let mut method = method;
+    if method.method().table().is_some() {
+        let (request, middle) = patch::request(snapshot, flash, &points, (layer, column, drift), method);
+        if fits(snapshot, &request) {
+            return (!too_thin(&request)).then_some((request, middle));
+        }
+        method = Lighting::Solve;
+    }
     let request = Request {
         kind: layer.kind,
-        layer: drawn(layer, column, &there, &regions, since_s),
+        layer: drawn(layer, column, &there, &regions, drift),
         earth_m: there.earth_m as f32,
         points,
         method,
+        patch: None,
     };
-    (!too_thin(&request)).then_some(request)
+    (!too_thin(&request)).then_some((request, there))
+}
+
+/// Whether a request's table has room in the memory that all may take.
+fn fits(snapshot: &Snapshot, request: &Request) -> bool {
+    let most = snapshot.quality.basis_memory_mib as usize;
+    request.patch.is_none_or(|window| bytes(request.method, &window) >> 20 <= most)
 }
 
 /// How far a flash lies behind the nearer of the faces of its cloud, m; 0 outside of clouds.
 pub fn depth_m(snapshot: &Snapshot, flash: &FlashState) -> f64 {
-    let regions = regions::near(snapshot, &below(flash), &mut Vec::new());
+    let regions = regions::near(snapshot, &below(&flash.position), &mut Vec::new());
     let around: f64 = regions.iter().map(|region| 1.0 - region.weight).product();
     let weathers =
         std::iter::once((&snapshot.weather, around)).chain(regions.iter().map(|r| (&r.state.weather, r.weight)));
@@ -227,11 +253,10 @@ fn nearness(layer: &LayerState, points: &[Point]) -> f64 {
 
 /// The layer as the flash began, around the flash's ground point; numbers that ease or drift are rounded to steps that no
 /// picture shows, so that a flash's frames ask for one field.
-fn drawn(state: &LayerState, column: usize, there: &Eye, regions: &[NearRegion], since_s: f64) -> Layer {
+fn drawn(state: &LayerState, column: usize, there: &Eye, regions: &[NearRegion], drift: DQuat) -> Layer {
     let look = state.kind.appearance();
     let threshold = Coverage::of(state.kind).threshold(state.coverage as f32);
-    let (near, mut chart) =
-        there.charts(blown_back(state, there, since_s), extent_m(there, 0.0), f64::from(density::TILE_M));
+    let (near, mut chart) = there.charts(drift, extent_m(there, 0.0), f64::from(density::TILE_M));
     let rounded = |v: f32, steps: f32| (v * steps).round() / steps;
     for chart in &mut chart {
         // A metre in the tile; less than that in the map.

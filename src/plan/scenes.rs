@@ -59,6 +59,7 @@ pub fn clear_day() -> Snapshot {
             deck_form: DeckForm::Auto,
             light_encoding: Default::default(),
             relight: Lighting::Point,
+            basis_memory_mib: 256,
         },
         terrain: Terrain::ELLIPSOID,
     };

@@ -72,6 +72,7 @@ impl ReferenceExecutor {
         work: impl FnOnce(&[Texel], &[Prepared], &[Caster], Option<&Grids>) -> T,
     ) -> T {
         let table = self.table(&plan.table);
+        self.fields.tables().set_most((plan.basis_memory_mib as usize) << 20);
         let fields = relight::Prepared::new(&mut self.fields, &plan.lit, &plan.ahead, plan.waits);
         self.provisional = fields.provisional;
         let lit = plan.glow.as_ref().map(|plan| (plan.glow, self.glow(&plan.window)));

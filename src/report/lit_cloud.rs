@@ -60,6 +60,17 @@ pub fn relative_f32(found: &[f32], reference: &[f32]) -> f64 {
     relative(found.iter().map(|v| f64::from(*v)), reference.iter().map(|v| f64::from(*v)))
 }
 
+/// [`relative`] against a truth that two references tell, each with noise of its own: products of differences from one and the
+/// other have the expectation of squares of differences from the truth, so that the noise does not count.
+pub fn less_noise(found: &[f64], one: &[f64], two: &[f64]) -> f64 {
+    let (mut difference, mut whole) = (0.0, 0.0);
+    for ((x, a), b) in found.iter().zip(one).zip(two) {
+        difference += (x - a) * (x - b);
+        whole += a * b;
+    }
+    (difference.max(0.0) / whole).sqrt()
+}
+
 /// Any complaint as the end of a subject.
 pub fn failed(why: impl std::fmt::Display) -> Stopped {
     Stopped::Failed(why.to_string())
@@ -77,6 +88,9 @@ mod tests {
         }
         assert!((relative([3.0, 4.0], [3.0, 0.0]) - 4.0 / 3.0).abs() < 1e-12);
         assert_eq!(relative_f32(&[1.0], &[1.0]), 0.0);
+        // The truth is 2 and 1, the references half too much and half too little: (0.5 1.5 + 0) / (2.5 1.5 + 1).
+        let error = less_noise(&[3.0, 1.0], &[2.5, 1.0], &[1.5, 1.0]);
+        assert!((error - (0.75_f64 / 4.75).sqrt()).abs() < 1e-12, "{error}");
         let depth = cloud([8, 8, 4], [2.0; 3], 1.5).expect("legal").greatest_cell_depth();
         assert!((depth - 1.5).abs() < 1e-6);
     }

@@ -8,6 +8,7 @@ use super::ordinates::{Params, PointSource, SolveError, Solver};
 use crate::numeric::haar::Haar;
 use crate::numeric::sphere::harmonics_count;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 /// What of the light is stored.
@@ -108,14 +109,21 @@ impl Recipe {
     pub fn bake<E: Send>(
         &self,
         batches: Range<usize>,
+        sink: impl FnMut(usize, Block) -> Result<(), E>,
+    ) -> Result<(), BakeError<E>> {
+        self.bake_these(&self.batches()[batches], sink)
+    }
+
+    fn bake_these<E: Send>(
+        &self,
+        batches: &[Range<usize>],
         mut sink: impl FnMut(usize, Block) -> Result<(), E>,
     ) -> Result<(), BakeError<E>> {
-        let all = self.batches();
         let first = Solver::new(&self.medium, self.params);
         let solver = first.map_err(|why| BakeError::Solve { first: 0, last: 0, why })?;
         let haar = Haar::new(self.medium.cells);
         let wave = rayon::current_num_threads().max(1);
-        for batch in all[batches].chunks(wave) {
+        for batch in batches.chunks(wave) {
             let solved: Vec<Result<Vec<Block>, SolveError>> =
                 batch.par_iter().map(|lights| self.solve(&solver, &haar, lights.clone())).collect();
             for (lights, blocks) in batch.iter().zip(solved) {
@@ -165,7 +173,11 @@ impl Recipe {
             .collect())
     }
 
-    fn solve(&self, solver: &Solver, haar: &Haar, lights: Range<usize>) -> Result<Vec<Block>, SolveError> {
+    /// The blocks of some lights of one batch.
+    ///
+    /// # Errors
+    /// [`SolveError`].
+    pub fn solve(&self, solver: &Solver, haar: &Haar, lights: Range<usize>) -> Result<Vec<Block>, SolveError> {
         let fields = self.fields(solver, lights)?;
         Ok(fields.into_iter().map(|mut f| Block::pack(haar, &mut f, self.packing, self.norm())).collect())
     }
@@ -192,6 +204,23 @@ impl Basis {
         let mut blocks = Vec::with_capacity(recipe.lights.len());
         recipe.bake(0..recipe.batches().len(), |_, block| {
             blocks.push(block);
+            Ok(())
+        })?;
+        Ok(Self { recipe, blocks })
+    }
+
+    /// Bakes the batches that hold the given lights alone and leaves all others dark: what a few bolts need of a large basis.
+    ///
+    /// # Errors
+    /// [`BakeError::Solve`].
+    pub fn bake_for(recipe: Recipe, lights: &BTreeSet<usize>) -> Result<Self, BakeError<std::convert::Infallible>> {
+        let mut batches = recipe.batches();
+        batches.retain(|batch| lights.range(batch.clone()).next().is_some());
+        let haar = Haar::new(recipe.medium.cells);
+        let mut nothing = vec![0.0; recipe.components() * recipe.medium.len()];
+        let mut blocks = vec![Block::pack(&haar, &mut nothing, recipe.packing, 1.0); recipe.lights.len()];
+        recipe.bake_these(&batches, |light, block| {
+            blocks[light] = block;
             Ok(())
         })?;
         Ok(Self { recipe, blocks })
@@ -250,6 +279,16 @@ pub(super) mod tests {
             assert!(merged.iter().zip(&whole.blocks).all(|((_, a), b)| a == b));
             assert!(whole.error() > 0.0 && whole.error() < 0.05, "{}", whole.error());
         }
+    }
+
+    #[test]
+    fn a_part_of_a_basis_is_that_part_and_the_rest_is_dark() {
+        let recipe = small(Content::Diffuse, false);
+        let whole = Basis::bake(recipe.clone()).expect("baked");
+        let part = Basis::bake_for(recipe, &BTreeSet::from([17, 18])).expect("baked");
+        assert!(part.blocks.iter().zip(&whole.blocks).enumerate().all(|(light, (part, whole))| {
+            if (16..32).contains(&light) { part == whole } else { part.indices.is_empty() }
+        }));
     }
 
     #[test]

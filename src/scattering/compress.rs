@@ -126,6 +126,11 @@ impl Block {
         block
     }
 
+    /// Bytes that it takes in memory, where every place has four.
+    pub fn memory_bytes(&self) -> usize {
+        self.indices.len() * (4 + self.values.width()) + self.counts.len() * 16
+    }
+
     /// Bytes of the coefficients with 2-byte (up to 65,536 cells) or 4-byte indices, and 16 bytes a component.
     pub fn bytes(&self, cells: usize) -> usize {
         let index = if cells <= 1 << 16 { 2 } else { 4 };

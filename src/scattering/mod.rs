@@ -16,6 +16,7 @@ pub mod ordinates;
 pub mod phase;
 pub mod relight;
 pub mod slab;
+pub mod view;
 pub mod walk;
 
 mod diffusion;

@@ -84,7 +84,7 @@ impl Default for Params {
 pub struct PointSource {
     /// Position from the lower south-west corner of the box, m; may lie outside.
     pub position_m: Direction,
-    /// Radiant intensity, W/sr, 0 or more.
+    /// Radiant intensity, W/sr, over 0.
     pub intensity: f64,
 }
 
@@ -328,6 +328,11 @@ impl Solver {
     /// Light towards every direction (as [`Light::towards`]) from direct light and known moments of the diffuse radiance: one
     /// pass of light, no iteration.
     pub fn collect(&self, direct: &Direct, diffuse: &[f32]) -> Vec<f32> {
+        self.collect_one(direct, diffuse).unwrap_or_else(|| self.collect_lane(direct, diffuse))
+    }
+
+    /// [`Solver::collect`] with one source in sixteen lanes.
+    pub(super) fn collect_lane(&self, direct: &Direct, diffuse: &[f32]) -> Vec<f32> {
         let operator = &self.operator;
         let mut work = Work::new(operator);
         let given = interleave([diffuse, &direct.moments[..]].into_iter(), diffuse.len());
@@ -401,7 +406,11 @@ fn interleave<'a>(lists: impl Iterator<Item = &'a [f32]>, size: usize) -> Vec<La
     out
 }
 
-pub(super) fn check(params: &Params) -> Result<(), SolveError> {
+/// Whether parameters can be solved by.
+///
+/// # Errors
+/// [`SolveError::Parameter`] names the first that cannot.
+pub fn check(params: &Params) -> Result<(), SolveError> {
     let refuse = |field, value, limit| Err(SolveError::Parameter { field, value, limit });
     if let Some(limit) = params.phase.fault() {
         return refuse("phase", params.phase.asymmetry(), limit);
@@ -435,8 +444,8 @@ pub(super) fn check_sources(lanes: &[&[PointSource]]) -> Result<(), SolveError> 
     }
     for (index, point) in lanes.iter().flat_map(|l| l.iter()).enumerate() {
         let refuse = |field, value, limit| Err(SolveError::Source { index, field, value, limit });
-        if !(point.intensity >= 0.0 && point.intensity <= 1e15) {
-            return refuse("intensity", point.intensity, "0 to 1e15 W/sr");
+        if !(point.intensity > 0.0 && point.intensity <= 1e15) {
+            return refuse("intensity", point.intensity, "over 0, at most 1e15 W/sr");
         }
         if let Some(x) = point.position_m.iter().find(|x| x.is_nan() || x.abs() > 1e7) {
             return refuse("position_m", *x, "within 1e7 m");

@@ -1,7 +1,7 @@
 //! From a bolt's point sources to the light that every cell scatters: six methods, from one term to the reference.
 
-use super::basis::{Basis, Content};
-use super::compress::{Ambient, Sum};
+use super::basis::{Basis, Content, Recipe};
+use super::compress::{Ambient, Block, Sum};
 use super::medium::Medium;
 use super::ordinates::{PointSource, SolveError, Solver};
 use crate::numeric::haar::Haar;
@@ -67,6 +67,24 @@ pub struct Relit {
     pub fallback: Option<SolveError>,
 }
 
+/// Fields of virtual lights: a basis, or one that is still being baked.
+pub trait Table {
+    /// What it is made by.
+    fn recipe(&self) -> &Recipe;
+    /// A light's fields; none where they are not there (which counts as dark: whoever asks has seen to it).
+    fn block(&self, light: usize) -> Option<&Block>;
+}
+
+impl Table for Basis {
+    fn recipe(&self) -> &Recipe {
+        &self.recipe
+    }
+
+    fn block(&self, light: usize) -> Option<&Block> {
+        self.blocks.get(light)
+    }
+}
+
 /// Why there is no light.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RelightError {
@@ -79,6 +97,7 @@ pub enum RelightError {
 }
 
 /// Relights one cloud again and again.
+#[derive(Clone)]
 pub struct Relighter<'a> {
     medium: &'a Medium,
     /// For the medium itself, or for its window.
@@ -97,6 +116,22 @@ impl<'a> Relighter<'a> {
         Self { medium, solver, haar: Haar::new(medium.cells), spacing_m: 0.3 * edge, ambient: Ambient::Off }
     }
 
+    /// Directions of the results.
+    pub fn directions(&self) -> Vec<Direction> {
+        self.solver.angles().set.directions.clone()
+    }
+
+    /// The mean over directions of light per cell, such as [`Relit::towards`]: W/(m^2 sr).
+    pub fn mean(&self, towards: &[f32]) -> Vec<f32> {
+        let cells = self.medium.len();
+        let mut mean = vec![0.0; cells];
+        for (weight, field) in self.solver.angles().set.weights.iter().zip(towards.chunks(cells)) {
+            let share = (weight / (4.0 * PI)) as f32;
+            mean.iter_mut().zip(field).for_each(|(m, v)| *m += share * v);
+        }
+        mean
+    }
+
     /// Light of a bolt's points by a method.
     ///
     /// # Errors
@@ -107,10 +142,23 @@ impl<'a> Relighter<'a> {
         points: &[PointSource],
         table: Option<&Basis>,
     ) -> Result<Relit, RelightError> {
+        self.relight_from(method, points, table.map(|table| table as &dyn Table))
+    }
+
+    /// [`Relighter::relight`] from any table.
+    ///
+    /// # Errors
+    /// [`RelightError`].
+    pub fn relight_from(
+        &self,
+        method: Method,
+        points: &[PointSource],
+        table: Option<&dyn Table>,
+    ) -> Result<Relit, RelightError> {
         super::ordinates::check_sources(&[points])?;
         let table = match (method.table(), table) {
             (None, _) => None,
-            (Some(content), Some(basis)) if basis.recipe.content == content => Some(basis),
+            (Some(content), Some(table)) if table.recipe().content == content => Some(table),
             (Some(content), _) => return Err(RelightError::Table(method.name(), content)),
         };
         let (corner, points) = self.centred(points);
@@ -122,14 +170,14 @@ impl<'a> Relighter<'a> {
             Method::Point => relit.towards = self.point(solver, &points),
             Method::Single => relit.towards = single(solver, &merged(), self.cluster_m()),
             Method::Basis => {
-                if let Some(basis) = table {
-                    (relit.towards, relit.outside) = self.sum(basis, &points, corner);
+                if let Some(table) = table {
+                    (relit.towards, relit.outside) = self.sum(table, &points, corner);
                     relit.towards.iter_mut().for_each(|v| *v = v.max(0.0));
                 }
             }
             Method::Hybrid => {
-                if let Some(basis) = table {
-                    let (fields, outside) = self.sum(basis, &points, corner);
+                if let Some(table) = table {
+                    let (fields, outside) = self.sum(table, &points, corner);
                     let cells = self.medium.len();
                     let moments = fields.len() / cells;
                     // From moment by moment to cell by cell.
@@ -209,8 +257,8 @@ impl<'a> Relighter<'a> {
     }
 
     /// Weighted sum of a table's fields in the window at `corner` (points in its coordinates), and points outside.
-    fn sum(&self, basis: &Basis, points: &[PointSource], corner: [i64; 2]) -> (Vec<f32>, usize) {
-        let recipe = &basis.recipe;
+    fn sum(&self, table: &dyn Table, points: &[PointSource], corner: [i64; 2]) -> (Vec<f32>, usize) {
+        let recipe = table.recipe();
         let h = self.medium.spacing_m;
         let mut weights: BTreeMap<usize, f64> = BTreeMap::new();
         let mut outside = 0;
@@ -226,7 +274,7 @@ impl<'a> Relighter<'a> {
         if !recipe.medium.periodic {
             let mut sum = Sum::new(&self.haar, components, self.ambient);
             for (light, weight) in weights {
-                sum.add(&basis.blocks[light], weight as f32);
+                table.block(light).into_iter().for_each(|block| sum.add(block, weight as f32));
             }
             return (sum.fields(), outside);
         }
@@ -238,7 +286,7 @@ impl<'a> Relighter<'a> {
             let end = weights.partition_point(|(l, _)| l / column == light / column);
             let mut sum = Sum::new(&self.haar, components, self.ambient);
             for (light, weight) in weights.drain(..end) {
-                sum.add(&basis.blocks[light], weight as f32);
+                table.block(light).into_iter().for_each(|block| sum.add(block, weight as f32));
             }
             let (_, from) = recipe.window(light);
             let shift = std::array::from_fn(|k| {

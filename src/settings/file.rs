@@ -46,8 +46,12 @@ pub(super) struct SettingsFile {
     pub(super) deck_form: DeckFormName,
     /// How the light inside the deck is stored: the encodings differ in memory and error, not in time.
     pub(super) light_encoding: LightEncodingName,
-    /// How flashes light the clouds, from bare points to the reference: each costs more than the one before.
+    /// How flashes light the clouds, from bare points to the reference. Tables (`basis`, `hybrid`) are baked in the background for
+    /// each piece of cloud that is struck.
     pub(super) relight: RelightName,
+    /// Memory in MiB that tables of virtual lights may take; a flash whose table would be larger is solved instead.
+    #[schemars(range(min = limits::BASIS_MEMORY_MIB.min, max = limits::BASIS_MEMORY_MIB.max))]
+    pub(super) basis_memory_mib: u32,
     /// Ratio between the radii of neighbouring billboard rings.
     #[schemars(range(min = limits::RING_RATIO.min, max = limits::RING_RATIO.max))]
     pub(super) ring_ratio: f64,

@@ -35,7 +35,7 @@ fn the_committed_schema_of_the_settings_is_current_and_can_be_checked_by() {
 
 #[test]
 fn each_field_reaches_the_settings() {
-    let other = serde_json::json!({
+    let mut other = serde_json::json!({
         "listen": "[::1]:9000", "token": "correct-horse", "allowed_origins": ["https://example.org:8443"],
         "allow_take_over": true, "max_clients": 3, "executor": "reference", "frame_rate_hz": 59.5, "shutter_s": 0.01, "slices": 7, "deck_scale": 3, "deck_form": "instanced",
         "light_encoding": "harmonics", "relight": "single", "flicker_guard_per_s": 3, "terrain": "procedural", "terrain_file": "N47E008.hgt", "terrain_sea_level_m": 48,
@@ -45,6 +45,8 @@ fn each_field_reaches_the_settings() {
         "cigi_synchronous": true, "cigi_byte_order": "big", "cigi_rate_hz": 50, "cigi_silence_s": 1,
         "cigi_host_chooses_database": true, "cigi_sea_level_m": 40, "cigi_seed": 2, "cigi_size_px": [800, 600]
     });
+    // The macro takes no more.
+    other["basis_memory_mib"] = 99.into();
     let fields = other.as_object().expect("an object");
     assert_eq!(fields.len(), defaults().len(), "each field is tried");
     // Those of the CIGI port are tried beside it: without an address to listen on they say nothing.

@@ -112,5 +112,7 @@ pub const STROKE_DELAY_S: [f64; 2] = [0.0, 5.0];
 pub const SLICES: [u32; 2] = [1, 512];
 /// Pixels of the picture each way to one of the deck.
 pub const DECK_SCALE: [u32; 2] = [1, 4];
+/// Memory in MiB that tables of virtual lights may take.
+pub const BASIS_MEMORY_MIB: [u32; 2] = [1, 65_536];
 /// Ratio between the radii of neighbouring billboard rings.
 pub const RING_RATIO: [f64; 2] = [1.01, 4.0];

@@ -52,6 +52,7 @@ pub const DEFAULT_QUALITY: Quality = Quality {
     deck_form: DeckForm::Auto,
     light_encoding: Encoding::Shares8,
     relight: Lighting::Solve,
+    basis_memory_mib: 256,
 };
 
 /// The world.
@@ -179,6 +180,8 @@ impl World {
         self.quality.deck_form = quality.deck_form;
         self.quality.light_encoding = quality.light_encoding;
         self.quality.relight = quality.relight;
+        self.quality.basis_memory_mib =
+            quality.basis_memory_mib.clamp(limits::BASIS_MEMORY_MIB[0], limits::BASIS_MEMORY_MIB[1]);
         self.quality.slices = quality.slices.clamp(limits::SLICES[0], limits::SLICES[1]);
     }
 

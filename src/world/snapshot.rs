@@ -194,6 +194,8 @@ pub struct Quality {
     pub light_encoding: Encoding,
     /// How flashes light the clouds.
     pub relight: Lighting,
+    /// Memory in MiB that tables of virtual lights may take, for the ways of lighting that have them.
+    pub basis_memory_mib: u32,
 }
 
 /// How a GPU draws the deck: the same layers, with the same result to within rounding.

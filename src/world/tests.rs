@@ -298,9 +298,16 @@ fn quality_is_brought_within_limits() {
         deck_form: DeckForm::Marched,
         light_encoding: Encoding::Harmonics,
         relight: Lighting::Single,
+        basis_memory_mib: 0,
     };
     world.set_quality(beyond);
-    let nearest = Quality { slices: limits::SLICES[1], ring_ratio: limits::RING_RATIO[0], deck_scale: 4, ..beyond };
+    let nearest = Quality {
+        slices: limits::SLICES[1],
+        ring_ratio: limits::RING_RATIO[0],
+        deck_scale: 4,
+        basis_memory_mib: limits::BASIS_MEMORY_MIB[0],
+        ..beyond
+    };
     assert_eq!(world.peek(0.0).quality, nearest);
     let other = Quality { slices: 16, ring_ratio: f64::NAN, deck_scale: 2, ..DEFAULT_QUALITY };
     world.set_quality(other);

@@ -8,6 +8,16 @@ use crate::scattering::medium::{Medium, MediumError};
 use glam::Vec3;
 use rayon::prelude::*;
 
+/// Width of a cell in a layer of this thickness, m.
+pub fn cell_m(thickness_m: f32) -> f32 {
+    (0.5 * thickness_m).clamp(CELL_M[0], CELL_M[1])
+}
+
+/// Cells upwards in a layer of this thickness.
+pub fn levels(thickness_m: f32) -> usize {
+    if thickness_m <= THIN_M { HEIGHT / 2 } else { HEIGHT }
+}
+
 /// Widths of a cell, m: half a layer's thickness, within these. In a thick deck light spreads by about a third of the
 /// thickness, which cells of 500 m would not show under a thin one.
 const CELL_M: [f32; 2] = [150.0, 500.0];
@@ -24,6 +34,9 @@ pub fn too_thin(request: &Request) -> bool {
 
 /// The box around the points of a request.
 pub fn window(request: &Request) -> Window {
+    if let Some(patch) = request.patch {
+        return patch;
+    }
     let layer = &request.layer;
     let (base, thickness) = (layer.base_m, layer.thickness_m);
     // Points outside the layer's heights light it from there, the less the farther.
@@ -40,10 +53,10 @@ pub fn window(request: &Request) -> Window {
         .filter(|p| weight(p) > 1e-3 * all)
         .map(|p| (0..2).map(|k| (p.position_m[k] - middle[k]).abs()).fold(0.0, f32::max))
         .fold(0.0, f32::max);
-    let wide = (0.5 * thickness).clamp(CELL_M[0], CELL_M[1]);
+    let wide = cell_m(thickness);
     // Beside the outermost points there is room for as much light again.
     let wide = wide.max((reach + 4.0 * wide) / (0.5 * WIDTH as f32));
-    let levels = if thickness <= THIN_M { HEIGHT / 2 } else { HEIGHT };
+    let levels = levels(thickness);
     let half = 0.5 * WIDTH as f32 * wide;
     Window {
         corner_m: [middle[0] - half, middle[1] - half, base],

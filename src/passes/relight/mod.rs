@@ -11,8 +11,10 @@
 
 pub mod cloud;
 pub mod emergent;
+pub mod patch;
 pub mod solve;
 pub mod store;
+pub mod tables;
 pub mod twin;
 
 use crate::clouds::CloudKind;
@@ -31,14 +33,17 @@ pub const WIDTH: usize = 32;
 /// Cells upwards of a field in a texture; one of fewer cells repeats none and is stretched.
 pub const HEIGHT: usize = 16;
 
-/// How flashes light the pictures' clouds: the methods that need no table of virtual lights, since cells of clouds that drift and
-/// change are never those of a table.
+/// How flashes light the pictures' clouds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Lighting {
     /// Bare points: intensity over distance squared, nothing in between.
     Point,
     /// Direct light scattered once.
     Single,
+    /// The published scheme: a table of virtual lights for the piece of cloud around, summed for each channel.
+    Basis,
+    /// Direct light of the channel, and a table for what is scattered more often.
+    Hybrid,
     /// One solve for each channel, its points clustered.
     Solve,
     /// One solve with every point of the channel for itself and a tight tolerance.
@@ -47,7 +52,7 @@ pub enum Lighting {
 
 impl Lighting {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Point, Self::Single, Self::Solve, Self::Reference];
+    pub const ALL: [Self; 6] = [Self::Point, Self::Single, Self::Basis, Self::Hybrid, Self::Solve, Self::Reference];
 
     /// Its name on wires and in reports.
     pub fn name(self) -> &'static str {
@@ -59,13 +64,15 @@ impl Lighting {
         match self {
             Self::Point => Method::Point,
             Self::Single => Method::Single,
+            Self::Basis => Method::Basis,
+            Self::Hybrid => Method::Hybrid,
             Self::Solve => Method::Solve,
             Self::Reference => Method::Reference,
         }
     }
 }
 
-/// A point of a flash's channel around the flash: east, north, height over the tangent plane at the flash's ground point.
+/// A point of a flash's channel: east, north, height over the tangent plane at the request's ground point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     /// Position, m.
@@ -79,7 +86,8 @@ pub struct Point {
 pub struct Request {
     /// Genus of the layer that is lit.
     pub kind: CloudKind,
-    /// The layer as it lies around the flash's ground point, as the flash began; without light and flashes.
+    /// The layer as it lies around the ground point, as the flash began; without light and flashes. The ground point is the
+    /// flash's, or the middle of a patch.
     pub layer: Layer,
     /// Radius of the sphere that stands for the Earth there.
     pub earth_m: f32,
@@ -87,6 +95,8 @@ pub struct Request {
     pub points: Vec<Point>,
     /// How the light is found: never [`Lighting::Point`], which needs no field.
     pub method: Lighting,
+    /// The piece of the cloud that has a table, for the methods that need one; else the box follows from the points.
+    pub patch: Option<Window>,
 }
 
 /// A box of cells around a flash, in the flash's axes.
@@ -129,6 +139,8 @@ pub struct Field {
     pub above: Emergent,
     /// What was done in the end (a solve that does not converge falls back).
     pub method: Method,
+    /// Whether it stands in for what was asked for, whose table is not there yet.
+    pub stand_in: bool,
 }
 
 /// A point that a field falls off from. Parameters; twin of `LitPoint` in `relight.wgsl`.
@@ -236,7 +248,10 @@ impl Prepared {
         let requests: Vec<_> = flashes.iter().take(FIELDS).map(|flash| flash.request.clone()).collect();
         let (mut fields, mut provisional) = (Vec::new(), false);
         for found in store.fields(&requests, wait) {
-            provisional |= matches!(found, Found::Pending);
+            provisional |= match &found {
+                Found::Pending => true,
+                Found::Ready(field) => field.as_ref().is_some_and(|field| field.stand_in),
+            };
             fields.push(if let Found::Ready(field) = found { field } else { None });
         }
         if !wait {
@@ -263,6 +278,7 @@ fn stand_in(flash: &LitFlash) -> Lit {
         below: Emergent::default(),
         above: Emergent::default(),
         method: Method::Point,
+        stand_in: true,
     };
     Lit { levels: 0, ..bare.placed(&flash.placing) }
 }

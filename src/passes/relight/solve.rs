@@ -3,10 +3,11 @@
 use super::cloud::{medium, window};
 use super::emergent::emergent;
 use super::{Field, POINTS, Point, Request, Window};
+use crate::numeric::sphere::DirectionSet;
 use crate::scattering::medium::Medium;
 use crate::scattering::ordinates::{Params, PointSource, Solver};
 use crate::scattering::phase::Phase;
-use crate::scattering::relight::{Relighter, merge};
+use crate::scattering::relight::{Relighter, Relit, merge};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::sync::LazyLock;
@@ -34,11 +35,23 @@ pub fn field(request: &Request) -> Option<Field> {
     if medium.is_empty() {
         return None;
     }
-    light(request, window, &medium)
+    let solver = solver()?.at(&medium);
+    let sources = sources(&request.points, &window);
+    let relit = Relighter::new(&medium, &solver).relight(request.method.method(), &sources, None).ok()?;
+    Some(stored(request, window, &solver.angles().set, &relit))
+}
+
+/// Points in a window's coordinates; those that give no light are left out.
+pub fn sources(points: &[Point], window: &Window) -> Vec<PointSource> {
+    let source = |p: &Point| PointSource {
+        position_m: std::array::from_fn(|k| f64::from(p.position_m[k] - window.corner_m[k])),
+        intensity: f64::from(p.share),
+    };
+    points.iter().filter(|p| p.share > 0.0).map(source).collect()
 }
 
 /// A solver whose tables are made once; its own medium is a single clear cell.
-fn solver() -> Option<&'static Solver> {
+pub fn solver() -> Option<&'static Solver> {
     static MADE: LazyLock<Option<Solver>> = LazyLock::new(|| {
         let cell = Medium::new([1; 3], [1.0; 3], vec![0.0], false).ok()?;
         Solver::new(&cell, params()).ok()
@@ -46,21 +59,11 @@ fn solver() -> Option<&'static Solver> {
     MADE.as_ref()
 }
 
-fn light(request: &Request, window: Window, medium: &Medium) -> Option<Field> {
-    let solver = solver()?.at(medium);
-    let sources: Vec<PointSource> = request
-        .points
-        .iter()
-        .map(|p| PointSource {
-            position_m: std::array::from_fn(|k| f64::from(p.position_m[k] - window.corner_m[k])),
-            intensity: f64::from(p.share),
-        })
-        .collect();
-    let relit = Relighter::new(medium, &solver).relight(request.method.method(), &sources, None).ok()?;
+/// Light as pictures read it.
+pub fn stored(request: &Request, window: Window, set: &DirectionSet, relit: &Relit) -> Field {
     let (points, cap_m2) = few(&request.points, 0.45 * window.cell_m[0]);
-    let cells = medium.len();
-    let set = &solver.angles().set;
     let [nx, ny, nz] = window.cells;
+    let cells = nx * ny * nz;
     let mut moments = vec![[0.0_f32; 4]; cells];
     for ((d, weight), towards) in set.directions.iter().zip(&set.weights).zip(relit.towards.chunks(cells)) {
         // Mean over the sphere, and three times the mean of the direction's components.
@@ -90,7 +93,7 @@ fn light(request: &Request, window: Window, medium: &Medium) -> Option<Field> {
         let scale = 1.0 / in_air;
         *m = [m[0] * scale, m[1] * keep * scale, m[2] * keep * scale, m[3] * keep * scale];
     });
-    Some(Field { window, quotients, points, cap_m2, below, above, method: relit.method })
+    Field { window, quotients, points, cap_m2, below, above, method: relit.method, stand_in: false }
 }
 
 /// At most [`POINTS`] points that stand for many, and the square of the distance within which each stands for a piece of

@@ -3,7 +3,8 @@
 //! Where a picture must not depend on anything but its snapshot (lockstep, `render`) the asker waits. Running free a field
 //! is solved on a thread of its own and nobody waits: until it is there its points stand in, and the picture is provisional.
 
-use super::solve::field;
+use super::solve;
+use super::tables::Tables;
 use super::{Field, Request};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::collections::VecDeque;
@@ -16,6 +17,8 @@ const KEPT: usize = 32;
 const AT_ONCE: usize = 2;
 /// Pictures without a field after which all are forgotten.
 const PATIENCE: u32 = 600;
+/// Pictures without a field after which tables are forgotten, which take longer to make: ten minutes at 60 a second.
+const TABLES_PATIENCE: u32 = 36_000;
 
 /// What came of a request.
 #[derive(Clone, Debug)]
@@ -28,7 +31,7 @@ pub enum Found {
 
 /// A quarter of the cores and at least one: the threads that pictures are drawn with stay with the pictures. None where the
 /// system gives no threads.
-fn beside() -> Option<&'static ThreadPool> {
+pub(super) fn beside() -> Option<&'static ThreadPool> {
     static POOL: LazyLock<Option<ThreadPool>> = LazyLock::new(|| {
         let threads = (rayon::current_num_threads() / 4).max(1);
         ThreadPoolBuilder::new().num_threads(threads).thread_name(|i| format!("relight-{i}")).build().ok()
@@ -43,6 +46,12 @@ pub struct Store {
     pending: Vec<(Arc<Request>, Receiver<Option<Field>>)>,
     idle: u32,
     solved: usize,
+    tables: Arc<Tables>,
+}
+
+/// The field of a request by its method, in a table's light if it needs one.
+fn field(request: &Request, tables: &Arc<Tables>, wait: bool) -> Option<Field> {
+    if request.method.method().table().is_some() { tables.field(request, wait) } else { solve::field(request) }
 }
 
 impl Store {
@@ -53,6 +62,9 @@ impl Store {
             self.idle = self.idle.saturating_add(1);
             if self.idle > PATIENCE {
                 self.kept = VecDeque::new();
+            }
+            if self.idle == TABLES_PATIENCE {
+                self.tables = Arc::default();
             }
             return Vec::new();
         }
@@ -78,13 +90,20 @@ impl Store {
         }
     }
 
+    /// The tables of virtual lights.
+    pub fn tables(&self) -> &Arc<Tables> {
+        &self.tables
+    }
+
     /// How many fields have been solved or begun since the store was made.
     pub fn solved(&self) -> usize {
         self.solved
     }
 
     fn field(&mut self, request: &Arc<Request>, wait: bool) -> Found {
-        if let Some(at) = self.kept.iter().position(|(known, _)| known == request)
+        // What stands in is no answer to who waits.
+        let serves = |field: &Option<Arc<Field>>| !wait || field.as_ref().is_none_or(|field| !field.stand_in);
+        if let Some(at) = self.kept.iter().position(|(known, field)| known == request && serves(field))
             && let Some(entry) = self.kept.remove(at)
         {
             let found = entry.1.clone();
@@ -95,10 +114,13 @@ impl Store {
         if wait {
             let solved = match under_way.map(|at| self.pending.swap_remove(at)) {
                 // A thread that is gone has left nothing: once more, here.
-                Some((_, result)) => result.recv().unwrap_or_else(|_| field(request)),
+                Some((_, result)) => {
+                    let made = result.recv().ok().filter(|made| made.as_ref().is_none_or(|made| !made.stand_in));
+                    made.unwrap_or_else(|| field(request, &self.tables, true))
+                }
                 None => {
                     self.solved += 1;
-                    field(request)
+                    field(request, &self.tables, true)
                 }
             };
             return Found::Ready(self.keep(request.clone(), solved));
@@ -114,9 +136,10 @@ impl Store {
         let (send, result) = sync_channel(1);
         let given = request.clone();
         let thread = std::thread::Builder::new().name("relight".into());
+        let tables = self.tables.clone();
         let solve = move || match beside() {
-            Some(pool) => pool.install(|| field(&given)),
-            None => field(&given),
+            Some(pool) => pool.install(|| field(&given, &tables, false)),
+            None => field(&given, &tables, false),
         };
         // Nobody may be left to take it.
         if thread.spawn(move || drop(send.send(solve()))).is_ok() {
@@ -139,6 +162,7 @@ impl Store {
 
     fn keep(&mut self, request: Arc<Request>, solved: Option<Field>) -> Option<Arc<Field>> {
         let kept = solved.map(Arc::new);
+        self.kept.retain(|(known, _)| *known != request);
         self.kept.push_front((request, kept.clone()));
         self.kept.truncate(KEPT);
         kept

@@ -9,7 +9,7 @@ use crate::passes::common::Chart;
 use glam::Vec3;
 
 /// A layer around a flash: overcast stratocumulus unless changed, one chart, no map.
-fn request(thickness_m: f32, coverage: f32, extinction: f32, points: Vec<Point>) -> Request {
+pub(super) fn request(thickness_m: f32, coverage: f32, extinction: f32, points: Vec<Point>) -> Request {
     let kind = CloudKind::Stratocumulus;
     let layer = Layer {
         base_m: 1000.0,
@@ -21,7 +21,7 @@ fn request(thickness_m: f32, coverage: f32, extinction: f32, points: Vec<Point>)
         chart: [Chart::UNUSED; 3],
         ..Layer::zeroed()
     };
-    Request { kind, layer, earth_m: 6_371_000.0, points, method: Lighting::Solve }
+    Request { kind, layer, earth_m: 6_371_000.0, points, method: Lighting::Solve, patch: None }
 }
 
 fn one(position_m: [f32; 3]) -> Vec<Point> {
@@ -126,6 +126,7 @@ fn a_face_as_one_patch_lights_the_ground_as_its_columns_do() {
         below: found,
         above: Emergent::default(),
         method: Method::Solve,
+        stand_in: false,
     };
     let mut lits = Lits::zeroed();
     (lits.fields, lits.lit[0]) = (1, field.placed(&HERE));

@@ -50,7 +50,7 @@ pub fn ev100(asked: Exposure, at_eye: &Level, mu: f32, snapshot: &Snapshot, eye:
 fn flash_lux(snapshot: &Snapshot, eye: &Eye) -> f32 {
     let metered = |f: &FlashState| match snapshot.quality.relight {
         Lighting::Point | Lighting::Single => CLOUD_METERED,
-        Lighting::Solve | Lighting::Reference => {
+        Lighting::Basis | Lighting::Hybrid | Lighting::Solve | Lighting::Reference => {
             SCATTERED_METERED * NEAR_FACE_M / (depth_m(snapshot, f) as f32).max(NEAR_FACE_M)
         }
     };

@@ -7,6 +7,7 @@ use crate::lightning::strike::{StrikeSpec, grow_strike};
 use crate::lightning::tables::Tables;
 use crate::plan::scenes::{cumulus_at, flash, place};
 use crate::plan::{FramePlan, Output, plan};
+use crate::world::snapshot::Quality;
 use std::sync::atomic::AtomicBool;
 
 fn plan_of(snapshot: &Snapshot) -> FramePlan {
@@ -84,4 +85,50 @@ fn more_flashes_than_fields_are_faded_not_cut() {
     let fields: f32 = plan.lit.iter().map(|f| f.placing.intensity_cd).sum();
     // Together they give all the light.
     assert!((points * 12.566_37 + fields) / 55e9 - 1.0 < 1e-4);
+}
+
+#[test]
+fn flashes_minutes_apart_in_one_cloud_share_a_table_and_lie_where_they_are() {
+    let mut snapshot = cumulus_at(place(47.0, 8.0, 500.0));
+    snapshot.quality.relight = Lighting::Hybrid;
+    snapshot.weather.layers[0].wind_speed_mps = 20.0;
+    snapshot.weather.layers[0].wind_from_deg = 250.0;
+    snapshot.flashes.push(struck(place(47.05, 8.02, 1_500.0)));
+    let first = plan_of(&snapshot).lit.remove(0);
+    assert!(first.request.patch.is_some() && first.request.method == Lighting::Hybrid);
+    // Five minutes on: the wind has carried the cloud six kilometres; the next flash is in the same part of it.
+    let axis = enu(&place(47.05, 8.02, 0.0));
+    let (sin, cos) = 250.0_f64.to_radians().sin_cos();
+    let carried = (axis.x_axis * -sin + axis.y_axis * -cos) * 6_000.0;
+    let turn = DQuat::from_scaled_axis(axis.z_axis.cross(carried) / (MEAN_RADIUS_M + 1_000.0));
+    let mut later = snapshot.clone();
+    later.weather.layers[0].drift = turn;
+    later.simulation_time_s += 300.0;
+    let zenith = turn * axis.z_axis;
+    let position = place(zenith.z.asin().to_degrees() + 0.001, zenith.y.atan2(zenith.x).to_degrees(), 1_400.0);
+    later.flashes[0] = FlashState { begin_s: later.simulation_time_s, ..struck(position) };
+    let second = plan_of(&later).lit.remove(0);
+    let cloud = |lit: &LitFlash| Request { points: Vec::new(), ..(*lit.request).clone() };
+    assert_eq!(cloud(&first), cloud(&second));
+    assert_ne!(first.request.points, second.request.points);
+    // A cloud elsewhere has its own.
+    later.flashes[0] = struck(place(47.4, 8.5, 1_500.0));
+    assert_ne!(cloud(&first), cloud(&plan_of(&later).lit[0]));
+    // About the piece's middle or the flash's own ground point: the same place, but for steps of 10 m.
+    snapshot.quality.relight = Lighting::Solve;
+    let solved = plan_of(&snapshot).lit.remove(0);
+    let middle = |lit: &LitFlash| -> [f32; 3] {
+        let [east, north, up] = lit.placing.axes;
+        std::array::from_fn(|k| {
+            let at = |p: &Point| p.position_m[0] * east[k] + p.position_m[1] * north[k] + p.position_m[2] * up[k];
+            lit.placing.origin_m[k] + lit.request.points.iter().map(|p| p.share * at(p)).sum::<f32>()
+        })
+    };
+    let (a, b) = (middle(&first), middle(&solved));
+    assert!((0..3).all(|k| (a[k] - b[k]).abs() < 8.0), "{a:?} {b:?}");
+    // A table that is larger than all may be is not begun.
+    snapshot.quality = Quality { relight: Lighting::Hybrid, basis_memory_mib: 1, ..snapshot.quality };
+    let plan = plan_of(&snapshot);
+    assert!(plan.lit[0].request.method == Lighting::Solve && plan.lit[0].request.patch.is_none());
+    assert!(plan.notes.iter().any(|note| note.pass == "relight" && note.why.contains("by solve")));
 }

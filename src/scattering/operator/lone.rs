@@ -6,7 +6,6 @@
 
 use super::{First, NO_TILT, Operator, Work, plane_axes};
 use crate::scattering::angles::MOST_MOMENTS;
-use crate::scattering::direct::Direct;
 use crate::scattering::lanes::{LANES, Lanes, dispatch};
 use rayon::prelude::*;
 
@@ -84,10 +83,10 @@ impl<'a> Lone<'a> {
     }
 
     /// Moments cell by cell as the pass takes them: sixteenths of the cells times moments.
-    pub fn moments(&self, direct: &Direct) -> Vec<Lanes> {
+    pub fn moments(&self, given: &[f32]) -> Vec<Lanes> {
         let moments = self.operator.angles.moments;
-        let mut out = vec![Lanes::ZERO; direct.moments.len() / LANES];
-        for (cell, row) in direct.moments.chunks(moments).enumerate() {
+        let mut out = vec![Lanes::ZERO; given.len() / LANES];
+        for (cell, row) in given.chunks(moments).enumerate() {
             for (k, value) in row.iter().enumerate() {
                 out[cell / LANES * moments + k].0[cell % LANES] = *value;
             }

@@ -311,10 +311,11 @@ fn bad_values_are_refused_by_name() {
         }
     }
     let solver = Solver::new(&medium, base).expect("legal");
-    for bad in [-1.0, f64::NAN, f64::INFINITY] {
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let refused = solver.solve(&[&[PointSource { position_m: [1.0; 3], intensity: bad }]]);
         assert!(matches!(refused, Err(SolveError::Source { field: "intensity", .. })));
-        let refused = solver.solve(&[&[PointSource { position_m: [1.0, bad * 1e9, 0.0], intensity: 1.0 }]]);
+        let far = if bad == 0.0 { 1e9 } else { bad * 1e9 };
+        let refused = solver.solve(&[&[PointSource { position_m: [1.0, far, 0.0], intensity: 1.0 }]]);
         assert!(matches!(refused, Err(SolveError::Source { field: "position_m", .. })));
     }
     let nothing: &[PointSource] = &[];

@@ -49,6 +49,21 @@ fn hybrid_beats_the_published_scheme_and_both_beat_less() {
 }
 
 #[test]
+fn cells_in_the_lanes_collect_what_sources_in_the_lanes_do() {
+    // Sixteen cells a row: the form with cells in the lanes serves. A cell more a row: the other does.
+    let medium = crate::scattering::ordinates::tests::patchy([16, 16, 4], [1.0; 3], 2.0);
+    let solver = Solver::new(&medium, Params { rays: 256, ..Params::default() }).expect("legal");
+    let points = bolt([6.2, 7.1, 3.4], [8.1, 8.4, -0.5], 12);
+    let (lights, _) = solver.solve(&[&points]).expect("solved");
+    let direct = solver.direct(&points);
+    let [one, lane] = [solver.collect(&direct, &lights[0].diffuse), solver.collect_lane(&direct, &lights[0].diffuse)];
+    // The order of sums.
+    assert!(relative(&one, &lane) < 1e-5, "{}", relative(&one, &lane));
+    // And both are the light that was solved, up to the residual.
+    assert!(relative(&one, &lights[0].towards) < 1e-3, "{}", relative(&one, &lights[0].towards));
+}
+
+#[test]
 fn a_light_on_a_virtual_light_is_the_table_itself() {
     let mut recipe = small(Content::Total, false);
     recipe.packing = Packing { threshold: 0.0, width: Width::F32 };
@@ -109,7 +124,7 @@ fn few_points_many_points_none_and_bad_ones() {
             assert_eq!(lit.towards.iter().all(|v| *v == 0.0), points.is_empty(), "{method:?}");
         }
     }
-    for intensity in [-1.0, f64::NAN] {
+    for intensity in [0.0, -1.0, f64::NAN] {
         let bad = [PointSource { position_m: [1.0; 3], intensity }];
         assert!(matches!(relighter.relight(Method::Point, &bad, None), Err(RelightError::Solve(_))));
     }

@@ -111,6 +111,10 @@ mirrored! {
         Point,
         /// Direct light scattered once.
         Single,
+        /// The published scheme: tables of virtual lights, made in the background for each piece of cloud that is struck.
+        Basis,
+        /// Direct light of each channel, and tables for what is scattered more often.
+        Hybrid,
         /// One solve for each channel; nothing is baked.
         Solve,
         /// One solve with every point of the channel for itself.
