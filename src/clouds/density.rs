@@ -7,7 +7,7 @@
 //! *How we read it back.* Trilinear, wrapping in x and y, clamped in z (voxel centres at (k + 0.5) / 32 of the thickness).
 
 use super::kind::CloudKind;
-use crate::numeric::noise::{Cellular, fractal};
+use crate::numeric::noise::{Cellular, fractal, gradient};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use std::sync::{Arc, LazyLock, Mutex};
@@ -70,17 +70,39 @@ impl DensityVolume {
                 let n1 = Vec3::new(nx as f32, ny as f32, nz as f32 * 0.999);
                 let n2 = Vec3::new(mx as f32, my as f32, 2.0 * nz as f32);
                 let n4 = Vec3::new(fx as f32, fy as f32, 4.0 * nz as f32);
-                let heaps = 0.60 * billow(&coarse, n1) + 0.27 * billow(&middle, n2) + 0.13 * billow(&fine, n4);
+                // Towers stand on their base: large heaps reach upwards.
+                let tall = Vec3::new(1.0, 1.0, 1.0 - look.columnar);
+                let heaps = 0.60 * billow(&coarse, n1 * tall) + 0.27 * billow(&middle, n2) + 0.13 * billow(&fine, n4);
                 let sheet = 0.5 + 0.9 * fractal(p * n1, [nx, ny, nz + 1], 4, seed + 3);
                 let eroding = fractal(p * n4, [fx, fy, 4 * nz + 1], 3, seed + 4);
                 let body = sheet + look.heaped * (1.25 * heaps - sheet) + look.erosion * (1.0 - 0.6 * aloft) * eroding;
                 let body = body + ANVIL_SPREAD * aloft;
+                let body = if look.fibrous > 0.0 {
+                    let trail = TRAIL * (1.0 - height) * thickness;
+                    let streaks = streaks(Vec3::new(p.x + trail, p.y, height), [nx, ny], seed + 11);
+                    body + look.fibrous * (0.5 * sheet + streaks - body)
+                } else {
+                    body
+                };
                 let value = body - penalty(&look, height);
                 *voxel = (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
             }
         });
         Self { shape }
     }
+}
+
+/// How far fibres trail behind where they begin, in falls: ice falls into slower air below.
+const TRAIL: f32 = 2.0;
+
+/// Fibres drawn out along x, of three widths: the crests of gradient noise, which hardly change upwards, 0 to 0.5.
+fn streaks(p: Vec3, [nx, ny]: [u32; 2], seed: u32) -> f32 {
+    let octave = |k: u32| {
+        let (x, y) = (nx << k, ny << (k + 1));
+        let noise = gradient(Vec3::new(p.x * x as f32, p.y * y as f32, 0.6 * p.z), [x, y, 4], seed + k);
+        1.0 - (3.0 * noise.abs()).min(1.0)
+    };
+    0.5 * (0.45 * octave(0) + 0.33 * octave(1) + 0.22 * octave(2))
 }
 
 /// What the vertical profile takes away at a height share of 0 (base) to 1 (top).

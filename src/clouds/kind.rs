@@ -51,6 +51,14 @@ pub struct Appearance {
     pub edge: f32,
     /// Share of the large 2D map in theta.
     pub patchiness: f32,
+    /// Amplitude of the detail finer than a voxel (see [`super::detail`]): what its values of 0 to 1 are multiplied by.
+    pub detail: f32,
+    /// Period of the detail along the tile's axes and upwards, m: heaps are a sixth of it and less.
+    pub detail_tile_m: [f32; 3],
+    /// How far large heaps reach through the layer upwards: 0, they are as tall as wide; 1, they are columns.
+    pub columnar: f32,
+    /// Share of fibres, drawn out along the first axis, in the shape, 0 to 1.
+    pub fibrous: f32,
 }
 
 impl CloudKind {
@@ -83,27 +91,92 @@ impl CloudKind {
             anvil: 0.0,
             edge: 0.16,
             patchiness: 0.35,
+            detail: erosion,
+            detail_tile_m: [1_400.0; 3],
+            columnar: 0.0,
+            fibrous: 0.0,
         };
         match self {
             Self::Stratus => {
-                Appearance { base_softness: 0.15, taper: 0.05, edge: 0.45, ..a(0.04, 400.0, [7, 7], 0.15, 0.12) }
+                let sheet = a(0.04, 400.0, [7, 7], 0.15, 0.12);
+                Appearance {
+                    base_softness: 0.15,
+                    taper: 0.05,
+                    edge: 0.45,
+                    detail: 0.22,
+                    detail_tile_m: [3_000.0, 3_000.0, 1_000.0],
+                    ..sheet
+                }
             }
-            Self::Stratocumulus => Appearance { taper: 0.18, edge: 0.22, ..a(0.04, 500.0, [7, 12], 0.75, 0.22) },
-            Self::Cumulus => Appearance { base_softness: 0.07, taper: 0.42, ..a(0.06, 1200.0, [12, 12], 0.85, 0.30) },
+            Self::Stratocumulus => {
+                Appearance { taper: 0.18, edge: 0.18, detail: 0.34, ..a(0.04, 500.0, [7, 12], 0.75, 0.22) }
+            }
+            Self::Cumulus => {
+                let heaps = a(0.06, 1200.0, [12, 12], 0.85, 0.30);
+                Appearance { base_softness: 0.08, taper: 0.42, edge: 0.12, detail: 0.38, ..heaps }
+            }
             Self::Cumulonimbus => {
-                let tower = a(0.08, 8000.0, [3, 3], 0.8, 0.30);
-                Appearance { base_softness: 0.04, taper: 0.30, top_softness: 0.10, anvil: 1.0, edge: 0.12, ..tower }
+                let tower = a(0.08, 8000.0, [3, 3], 0.8, 0.20);
+                Appearance {
+                    base_softness: 0.04,
+                    taper: 0.30,
+                    top_softness: 0.10,
+                    anvil: 1.0,
+                    edge: 0.10,
+                    detail: 0.24,
+                    detail_tile_m: [3_600.0; 3],
+                    columnar: 0.7,
+                    patchiness: 0.42,
+                    ..tower
+                }
             }
             Self::Nimbostratus => {
-                Appearance { base_softness: 0.15, taper: 0.05, edge: 0.5, ..a(0.05, 3000.0, [4, 4], 0.2, 0.15) }
+                let sheet = a(0.05, 3000.0, [4, 4], 0.2, 0.15);
+                Appearance {
+                    base_softness: 0.15,
+                    taper: 0.05,
+                    edge: 0.5,
+                    detail: 0.22,
+                    detail_tile_m: [4_000.0, 4_000.0, 1_500.0],
+                    ..sheet
+                }
             }
             Self::Altostratus => {
-                Appearance { base_softness: 0.15, taper: 0.05, edge: 0.6, ..a(0.015, 1000.0, [4, 6], 0.1, 0.12) }
+                let veil = a(0.015, 1000.0, [4, 6], 0.1, 0.12);
+                Appearance {
+                    base_softness: 0.15,
+                    taper: 0.05,
+                    edge: 0.6,
+                    detail: 0.20,
+                    detail_tile_m: [5_000.0, 3_000.0, 1_500.0],
+                    ..veil
+                }
             }
-            Self::Altocumulus => Appearance { taper: 0.20, edge: 0.25, ..a(0.03, 400.0, [40, 36], 0.85, 0.2) },
-            Self::Cirrus => Appearance { taper: 0.0, edge: 0.6, ..a(0.0015, 1000.0, [3, 14], 0.05, 0.25) },
-            Self::Cirrocumulus => Appearance { taper: 0.1, edge: 0.4, ..a(0.001, 500.0, [90, 92], 0.9, 0.2) },
-            Self::Cirrostratus => Appearance { taper: 0.0, edge: 0.9, ..a(0.0006, 1500.0, [6, 8], 0.0, 0.1) },
+            Self::Altocumulus => Appearance {
+                taper: 0.20,
+                edge: 0.25,
+                detail: 0.30,
+                detail_tile_m: [900.0; 3],
+                ..a(0.03, 400.0, [40, 36], 0.85, 0.2)
+            },
+            Self::Cirrus => {
+                let fibres = a(0.002, 1000.0, [3, 14], 0.05, 0.25);
+                Appearance {
+                    taper: 0.0,
+                    edge: 0.22,
+                    fibrous: 1.0,
+                    detail: 0.35,
+                    detail_tile_m: [9_000.0, 1_500.0, 6_000.0],
+                    ..fibres
+                }
+            }
+            Self::Cirrocumulus => {
+                Appearance { taper: 0.1, edge: 0.4, detail_tile_m: [900.0; 3], ..a(0.001, 500.0, [90, 92], 0.9, 0.2) }
+            }
+            Self::Cirrostratus => {
+                let veil = a(0.0006, 1500.0, [6, 8], 0.0, 0.1);
+                Appearance { taper: 0.0, edge: 0.9, detail_tile_m: [9_000.0, 3_000.0, 6_000.0], ..veil }
+            }
         }
     }
 

@@ -13,7 +13,13 @@ use std::collections::HashMap;
 
 const COMMON: &str = include_str!("../passes/common.wgsl");
 const RELIGHT: &str = include_str!("../passes/relight/relight.wgsl");
-const FIELD: &str = concat!(include_str!("../passes/deck/field.wgsl"), "\n", include_str!("../passes/deck/walk.wgsl"));
+const FIELD: &str = concat!(
+    include_str!("../passes/deck/field.wgsl"),
+    "\n",
+    include_str!("../passes/deck/lit.wgsl"),
+    "\n",
+    include_str!("../passes/deck/walk.wgsl")
+);
 const RELIEF: &str = include_str!("../passes/relief/field.wgsl");
 
 /// All WGSL modules by name, as they are compiled.

@@ -187,6 +187,7 @@ fn a_wrong_shader_is_noticed() {
         ("march", "let depth = layer.extinction_per_m", "let depth = 0.7 * layer.extinction_per_m"),
         ("march", "mix(at, end, seen_share(", "mix(at, end, 0.3 * seen_share("),
         ("march", "transmittance = 1.0 - nearer.a", "transmittance = 0.9 - nearer.a"),
+        ("march", "left = exp(-layer.relief_depth", "left = exp(layer.relief_depth"),
         ("deck", "seen.light = source(", "seen.light = 1.1 * source("),
         ("cull", ".a < 1.0 - OPAQUE", ".a < -1.0"),
         ("ground", "seen = lit * made.albedo * 0.31830987", "seen = lit * made.albedo * 0.36"),

@@ -6,7 +6,7 @@ use super::regions::NearRegion;
 use super::relight::Bare;
 use super::{LayerPlan, PassNote};
 use crate::clouds::coverage::Coverage;
-use crate::clouds::{density, detail, modulation, slices};
+use crate::clouds::{density, modulation, slices};
 use crate::geo::charts::weights;
 use crate::passes::common::Chart;
 use crate::passes::deck::field::CLEAR;
@@ -14,7 +14,7 @@ use crate::passes::deck::twin::OPAQUE;
 use crate::passes::deck::{FLASHES, Flash, Layer, REGIONS, Region};
 use crate::passes::light::encoding::Encoding;
 use crate::passes::light::grid::corners;
-use crate::passes::light::{Light, Nodes};
+use crate::passes::light::{LEAVING, Light, Nodes};
 use crate::world::snapshot::{LayerState, Snapshot};
 use glam::{DVec3, Vec2, Vec3};
 
@@ -27,6 +27,14 @@ const LAST_RING_M: f32 = 150_000.0;
 
 /// Share of a distance in the tile that is one on the ground for certain: waves that move the tile and charts draw it out.
 const CLEAR_SHARE: f32 = 0.75;
+
+/// Ranges in periods of its tile, across, between which detail fades.
+const DETAIL_FADE: [f32; 2] = [4.0, 13.0];
+/// How far towards the light the detail is looked at that shades a place, in periods: a third of a large heap. It stands for
+/// twice that way.
+const RELIEF: f32 = 0.05;
+/// Most that detail makes of a difference in light, as an exponent for a detail of 1 instead of its mean.
+const MOST_RELIEF: f32 = 1.3;
 
 /// How far something at a height can be seen over the curved Earth.
 pub fn extent_m(eye: &Eye, height_m: f64) -> f64 {
@@ -115,8 +123,10 @@ impl Context<'_> {
         let threshold = Coverage::of(state.kind).threshold(state.coverage as f32);
         let quality = self.snapshot.quality;
         let extinction = look.extinction_per_m * state.density as f32;
+        let tile = look.detail_tile_m;
         let origin = near.first().map_or([0.0; 2], |c| {
-            [c.origin_m.x, c.origin_m.y].map(|v| (v / f64::from(detail::TILE_M)).rem_euclid(1.0) as f32)
+            let periods = [c.origin_m.x / f64::from(tile[0]), c.origin_m.y / f64::from(tile[1])];
+            periods.map(|v| v.rem_euclid(1.0) as f32)
         });
         // Detail lies in the nearest chart alone: it is gone where the next chart becomes the nearest, so that it never steps.
         let detail_share = weights(&near, DVec3::Z).first().map_or(0.0, |w| (2.0 * w - 1.0).clamp(0.0, 1.0)) as f32;
@@ -143,12 +153,17 @@ impl Context<'_> {
             ring_first_m: FIRST_RING_M,
             ring_last_m: LAST_RING_M.min(extent as f32),
             extent_m: extent as f32,
-            detail: 0.6 * look.erosion * detail_share,
+            detail: look.detail * detail_share,
             charts: near.len() as u32,
             regions: self.regions.len() as u32,
             flashes: self.flashes.len() as u32,
             region: column as u32,
             detail_origin: origin,
+            detail_per_m: tile.map(|m| 1.0 / m),
+            detail_fade_m: DETAIL_FADE.map(|periods| periods * tile[1]),
+            relief_m: RELIEF * tile[1],
+            relief_depth: (extinction * look.detail * detail_share * RELIEF * tile[1] / look.edge * 2.0 * LEAVING)
+                .min(MOST_RELIEF),
             reach_m: 0.3 * density::TILE_M / look.elements[0].max(look.elements[1]) as f32,
             step_m: (1_200.0 / quality.slices as f32).max(4.0),
             hidden_below: OPAQUE,
@@ -163,6 +178,7 @@ impl Context<'_> {
             shade_near_m: 1.0,
             shade_span: 0.0,
             pad2: 0.0,
+            pad3: 0.0,
             chart: charts,
             outline,
             flash,

@@ -7,8 +7,8 @@ use crate::clouds::{density, detail, modulation};
 use crate::geo::Geodetic;
 use crate::geo::wgs84::{from_ecef, to_ecef};
 use crate::passes::common::stereographic;
-use crate::passes::deck::FLASHES;
 use crate::passes::deck::field::{BOUNDS_WIDTH, Textures, margin};
+use crate::passes::deck::{FLASHES, Layer};
 use bytemuck::Pod;
 use glam::{DQuat, DVec3, Vec2};
 
@@ -124,7 +124,7 @@ fn a_millimetre_of_the_eye_moves_no_texture() {
 
 #[test]
 fn detail_stands_on_the_ground_while_the_eye_flies() {
-    // Cloud of one shape value, so that only map and detail vary.
+    // Cloud of one shape value at its edge, without a map, so that only detail varies.
     let shape = vec![128u8; density::WIDTH * density::WIDTH * density::HEIGHT];
     let bounds = vec![255u8; BOUNDS_WIDTH * BOUNDS_WIDTH];
     for (latitude_deg, longitude_deg) in [(47.0, 8.0), (-20.0, 100.0), (89.0, 40.0)] {
@@ -151,8 +151,9 @@ fn detail_stands_on_the_ground_while_the_eye_flies() {
             let (x, y) = (f64::from(k % 20) * 61.0, f64::from(k / 20) * 53.0);
             let point = from_ecef(eyes[0].ground_ecef_m + eyes[0].enu * DVec3::new(x, y, 1_500.0));
             let found = |i: usize, range_m: f32| {
-                let (layer, earth_m) = (&plans[i].layers[0].layer, eyes[i].earth_m as f32);
-                margin(layer, &textures, earth_m, eyes[i].place(&point), 1_500.0, range_m)
+                let edge = Layer { theta: 0.5, patchiness: 0.0, ..plans[i].layers[0].layer };
+                let earth_m = eyes[i].earth_m as f32;
+                margin(&edge, &textures, earth_m, eyes[i].place(&point), 1_500.0, range_m)
             };
             change += (found(0, 1_000.0) - found(1, 1_000.0)).abs();
             // Beyond its range there is no detail: the difference is the detail.

@@ -7,7 +7,7 @@
 use super::shell::{height_m, stretches};
 use crate::passes::common::Camera;
 use crate::passes::deck::FLASH_COLOUR;
-use crate::passes::deck::field::{light_at, margin, shown, source, view};
+use crate::passes::deck::field::{light_at, margin, relieved, shown, source, view};
 use crate::passes::deck::twin::Prepared;
 use crate::passes::ground;
 use crate::passes::relight::twin::scattered;
@@ -116,7 +116,8 @@ fn add(camera: &Camera, layers: &[Prepared], ray: &Ray, (p, t, ds): (DVec3, f64,
         if inside > 0.0 {
             let own = f64::from(layer.extinction_per_m * inside.min(1.0));
             let light = light_at(layer, textures, earth_m, p, height);
-            let shown = shown(layer, textures, earth_m, p, height);
+            let shown =
+                shown(layer, textures, earth_m, p, height) * relieved(layer, textures, earth_m, p, height, t as f32);
             extinction += own;
             emitted += own * source(layer, light, &view(layer, ray.direction), p, shown).as_dvec3();
             if let Some(lit) = lit {

@@ -98,9 +98,9 @@ fn a_wrong_shader_of_lightning_is_noticed() {
     for (module, right, wrong, bolt) in [
         ("stroke", "segment.light * profile", "1.1 * segment.light * profile", OPEN),
         ("stroke", "0.5641896 * unit * exp(-h * h", "0.5641896 * unit * exp(-1.3 * h * h", OPEN),
-        ("veil", "depth += layer.extinction_per_m *", "depth += 0.6 * layer.extinction_per_m *", hidden),
+        ("veil", "depth += layer.extinction_per_m *", "depth += 0.2 * layer.extinction_per_m *", hidden),
         ("airlight", "source.intensity_cd / d", "1.5 * source.intensity_cd / d", OPEN),
-        ("glow", "spread(here)) * glow.gain", "3.0 * spread(here)) * glow.gain", OPEN),
+        ("glow", "spread(here)) * glow.gain", "5.0 * spread(here)) * glow.gain", OPEN),
         ("glow", "0.375 * (fine_at", "0.9 * (fine_at", OPEN),
     ] {
         gpu.pipelines = broken(&gpu, module, right, wrong);

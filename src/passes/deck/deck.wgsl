@@ -112,7 +112,6 @@ fn deck_fragment(in: Passed) -> @location(0) vec4<f32> {
     let flat_share = sqrt(max(1.0 - direction.z * direction.z, 0.0));
     let piece = piece_of(in.kind, in.shells, direction.z, flat_share);
     let far_t = piece.y;
-    let least = (far_t - piece.x) * (1.0 / f32(MOST_STEPS));
     // No return stands before the loop: lavapipe lets a loop run to its end for pixels that have returned.
     var going = far_t > piece.x;
     var at = piece.x;
@@ -121,7 +120,7 @@ fn deck_fragment(in: Passed) -> @location(0) vec4<f32> {
     // Where a straight line between two looks enters a cloud; 0: not known.
     var edge = 0.0;
     if going {
-        let first = look(direction, at, shortest_step(at, least));
+        let first = look(direction, at, shortest_step(at));
         near = first.margin;
         beyond = first.beyond;
     }
@@ -130,10 +129,10 @@ fn deck_fragment(in: Passed) -> @location(0) vec4<f32> {
     var hidden = 0.0;
     var transmittance = 1.0;
     for (var i = 0u; going && i < MOST_LOOKS; i++) {
-        let end = select(min(far_t, next_look(at, least, beyond)), edge, edge > at);
-        let found = look(direction, end, shortest_step(end, least));
+        let end = select(min(far_t, next_look(at, beyond)), edge, edge > at);
+        let found = look(direction, end, shortest_step(end));
         let far = found.margin;
-        if near < 0.0 && far > 0.0 && went_far(at, least, end) {
+        if near < 0.0 && far > 0.0 && went_far(at, end) {
             // A long step that ends inside the cloud went too far: its edge is looked for.
             beyond *= RETREAT;
         } else if near < 0.0 && far > 0.0 && edge == 0.0 {

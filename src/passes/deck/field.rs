@@ -1,7 +1,7 @@
-//! The density and light of a layer at a point; twin of the functions of the same names in `field.wgsl`.
+//! The density and light of a layer at a point; twin of the functions of the same names in `field.wgsl` and `lit.wgsl`.
 
 use super::glow::{CityGlow, SPACING_M, Texel, WIDTH, at_height, sample};
-use super::{DETAIL_FADE_M, FLASH_CAP_M, FLASH_COLOUR, Layer, Region};
+use super::{FLASH_CAP_M, FLASH_COLOUR, Layer, Region};
 use crate::clouds::{CloudKind, clearance, density, detail, modulation};
 use crate::passes::common::{Chart, chart_weights, displacement, smoothstep, stereographic};
 use crate::passes::light::encoding::{Encoding, View, decode};
@@ -63,6 +63,7 @@ pub fn look(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_m:
         return found(-1.0);
     }
     let share = (height_m - layer.base_m) / layer.thickness_m;
+    let heaped = heaped(layer, t_m);
     let weights = chart_weights(&layer.chart, layer.charts, p + Vec3::new(0.0, 0.0, earth_m), radius);
     // Where one chart rules the column's bound tells most empty places before anything else is read.
     let bounded = weights.iter().any(|weight| *weight > ALONE);
@@ -70,7 +71,7 @@ pub fn look(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_m:
     for (chart, weight) in layer.chart.iter().zip(weights).filter(|(_, weight)| *weight > 0.0) {
         let moved = chart.displacement(z);
         let tile = chart.tile(moved);
-        let most = bound(textures.bounds, tile) + 0.5 * layer.detail - layer.theta - shift;
+        let most = bound(textures.bounds, tile) + heaped - layer.theta - shift;
         if bounded && most < layer.clear_below {
             return found(most);
         }
@@ -81,7 +82,7 @@ pub fn look(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_m:
         }
         // Where regions begin theta falls faster than by the map.
         if bounded && weight > ALONE && shift == 0.0 {
-            let clear_m = clear_m(layer, textures.bounds, tile, share, layer.theta + above);
+            let clear_m = clear_m(layer, textures.bounds, tile, share, layer.theta + above - heaped);
             if clear_m > step_m {
                 return Look { margin: -1.0, beyond_m: clear_m - step_m };
             }
@@ -89,24 +90,35 @@ pub fn look(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_m:
         let value = volume_byte(textures.shape, density::WIDTH, density::HEIGHT, false, [tile.x, tile.y, share]);
         sum += weight * (value - layer.theta - above - shift);
     }
-    if t_m < DETAIL_FADE_M[1] && sum.abs() < 0.5 * layer.detail + 1.0 / layer.inverse_edge {
-        let fade = 1.0 - smoothstep(DETAIL_FADE_M[0], DETAIL_FADE_M[1], t_m);
-        // In the first chart's axes, so that it stands on the ground while the eye moves.
-        let moved = layer.chart[0].displacement(z);
-        let q = [
-            layer.detail_origin[0] + moved.x / detail::TILE_M,
-            layer.detail_origin[1] + moved.y / detail::TILE_M,
-            height_m / detail::TILE_M,
-        ];
-        let noise = volume_byte(textures.detail, detail::WIDTH, detail::WIDTH, true, q) - 0.5;
-        sum += layer.detail * fade * noise;
+    if t_m < layer.detail_fade_m[1] && sum > -heaped && sum < layer.detail + 1.0 / layer.inverse_edge {
+        sum += layer.detail * detail_fade(layer, t_m) * fine(layer, textures, z, height_m);
     }
     found(sum)
 }
 
-/// How far away the nearest cloud is at least, by the table behind the column bounds, m; 0 where it does not say.
-fn clear_m(layer: &Layer, bounds: &[u8], tile: Vec2, share: f32, theta: f32) -> f32 {
-    let lowered = theta - 0.5 * layer.detail;
+/// What is left of the detail at a range.
+fn detail_fade(layer: &Layer, t_m: f32) -> f32 {
+    let [near_m, far_m] = layer.detail_fade_m;
+    if t_m < far_m { 1.0 - smoothstep(near_m, far_m, t_m) } else { 0.0 }
+}
+
+/// Most that detail adds to a margin at a range and farther away.
+fn heaped(layer: &Layer, t_m: f32) -> f32 {
+    layer.detail * detail_fade(layer, t_m) * (1.0 - detail::MEAN)
+}
+
+/// The detail at a place, less its mean.
+fn fine(layer: &Layer, textures: &Textures, z: Vec2, height_m: f32) -> f32 {
+    // In the first chart's axes, so that it stands on the ground while the eye moves.
+    let moved = layer.chart[0].displacement(z);
+    let [east, north, up] = layer.detail_per_m;
+    let at = [layer.detail_origin[0] + moved.x * east, layer.detail_origin[1] + moved.y * north, height_m * up];
+    volume_byte(textures.detail, detail::WIDTH, detail::WIDTH, true, at) - detail::MEAN
+}
+
+/// How far away the nearest cloud is at least, by the table behind the column bounds, for theta less what detail adds, m; 0 where
+/// it does not say.
+fn clear_m(layer: &Layer, bounds: &[u8], tile: Vec2, share: f32, lowered: f32) -> f32 {
     // A theta some way below this one: it may fall by the difference before its distances are wrong.
     let node = (lowered * (1.0 / clearance::THETA_STEP) - 0.5).floor().min((clearance::THETAS - 1) as f32);
     if node < 0.0 || layer.clear_share == 0.0 {
@@ -154,7 +166,7 @@ fn turned(encoding: Encoding, stored: Vec4, chart: &Chart) -> Vec4 {
 
 /// Luminance that a point of cloud sends towards the eye where it is opaque, cd/m2 per colour (the source function).
 ///
-/// `shown`: share of the source's light that higher layers leave (see [`shown`]).
+/// `shown`: share of the source's light that higher layers and detail on its way leave (see [`shown`] and [`relieved`]).
 pub fn source(layer: &Layer, stored: Vec4, view: &View, p: Vec3, shown: f32) -> Vec3 {
     let lit = decode(layer.encoding(), stored, view);
     let mut light = Vec3::from(layer.light_lux) * (lit.source * shown)
@@ -166,6 +178,25 @@ pub fn source(layer: &Layer, stored: Vec4, view: &View, p: Vec3, shown: f32) -> 
         light += FLASH_COLOUR * (flash.intensity / d2);
     }
     light
+}
+
+/// Part of a place's own detail against that towards the light.
+const BETWEEN_HEAPS: f32 = 0.5;
+/// Nearer than this it counts less, m: what lies at the eye would flicker as it is flown through.
+const RELIEF_NEAR_M: f32 = 300.0;
+
+/// What detail leaves of the source's light at a point at a range, which light volumes do not know, against its mean: as much less
+/// as there is more of it on the light's way, and less between heaps than on them, where light scatters out to all sides.
+pub fn relieved(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_m: f32, t_m: f32) -> f32 {
+    if t_m >= layer.detail_fade_m[1] {
+        return 1.0;
+    }
+    let towards = Vec3::from(layer.light_direction) * layer.relief_m;
+    let z = stereographic(p, earth_m, earth_m + height_m);
+    let more = fine(layer, textures, z + towards.truncate(), height_m + towards.z)
+        - BETWEEN_HEAPS * fine(layer, textures, z, height_m);
+    let share = detail_fade(layer, t_m) * smoothstep(0.0, RELIEF_NEAR_M, t_m);
+    (-layer.relief_depth * share * more).exp()
 }
 
 /// Share of the source's light that higher layers leave at a point.

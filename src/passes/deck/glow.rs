@@ -28,7 +28,7 @@ const REACH_M: f64 = 60_000.0;
 /// Way over which haze near the ground takes a city's light to 1/e.
 const CLEAR_M: f64 = 40_000.0;
 
-/// How the table lies around the eye. Parameters; twin of `CityGlow` in `field.wgsl`.
+/// How the table lies around the eye. Parameters; twin of `CityGlow` in `lit.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct CityGlow {
@@ -131,7 +131,7 @@ fn disc_lux(apart: f64, radius_m: f64, height_m: f64) -> f64 {
     std::f64::consts::PI * f64::from(CORE_LUMINANCE) * factor * (-way_m / CLEAR_M).exp()
 }
 
-/// What arrives at a height, of a texel's four: between them by the logarithm of the height. Twin of the same in `field.wgsl`.
+/// What arrives at a height, of a texel's four: between them by the logarithm of the height. Twin of the same in `lit.wgsl`.
 pub fn at_height(lux: Vec4, height_m: f32) -> f32 {
     let log_height = height_m.max(1.0).ln();
     let share = (Vec3::splat(log_height) - Vec3::new(5.521_461, 6.907_755_3, 8.006_368))

@@ -17,9 +17,6 @@ struct Heights {
 
 // Slices that share a shell, as in clouds::slices.
 const GROUP: f32 = 8.0;
-// Looks along one leg at most: far more than any takes.
-const LEG_LOOKS: u32 = 4096u;
-
 // The end of the layer's next piece beyond `at`: a ring, the range at which slabs take over, or a shell.
 struct Piece {
     end: f32,
@@ -127,7 +124,6 @@ fn deck_march(
     var going = leg.begin < leg.end && transmittance >= layer.hidden_below;
     var at = leg.begin;
     var piece = Piece(0.0, 0.0, 0.0);
-    var least = 0.0;
     var near = -1.0;
     var beyond = 0.0;
     // Where a straight line between two looks enters a cloud; 0: not known.
@@ -136,21 +132,18 @@ fn deck_march(
         let first = log(max(at * leg.flat_share / layer.ring_first_m, 1e-6)) / log(layer.ring_ratio);
         piece.ring = max(ceil(first), 0.0);
         piece = next_piece(leg, at, piece);
-        least = (piece.end - at) * (1.0 / f32(MOST_STEPS));
-        let begun = look(direction, at, shortest_step(at, least));
+        let begun = look(direction, at, shortest_step(at));
         near = begun.margin;
         beyond = begun.beyond;
     }
     let view = view_of(direction);
     var light = vec3<f32>(0.0);
     var hidden = 0.0;
-    var looks = 0u;
-    for (var i = 0u; going && i < LEG_LOOKS; i++) {
-        let end = select(min(piece.end, next_look(at, least, beyond)), edge, edge > at);
-        let found = look(direction, end, shortest_step(end, least));
+    for (var i = 0u; going && i < MOST_LOOKS; i++) {
+        let end = select(min(piece.end, next_look(at, beyond)), edge, edge > at);
+        let found = look(direction, end, shortest_step(end));
         let far = found.margin;
-        looks += 1u;
-        if near < 0.0 && far > 0.0 && went_far(at, least, end) {
+        if near < 0.0 && far > 0.0 && went_far(at, end) {
             // A long step that ends inside the cloud went too far: its edge is looked for.
             beyond *= RETREAT;
         } else if near < 0.0 && far > 0.0 && edge == 0.0 {
@@ -167,13 +160,10 @@ fn deck_march(
             at = end;
             beyond = found.beyond;
         }
-        if at >= piece.end || looks >= MOST_LOOKS {
-            at = piece.end;
-            looks = 0u;
+        if at >= piece.end {
             going = transmittance >= layer.hidden_below && at < leg.end;
             if going {
                 piece = next_piece(leg, at, piece);
-                least = (piece.end - at) * (1.0 / f32(MOST_STEPS));
             }
         }
         going = going && transmittance >= layer.hidden_below;

@@ -90,7 +90,7 @@ pub struct Layer {
     pub ring_last_m: f32,
     /// How far the layer is drawn.
     pub extent_m: f32,
-    /// Amplitude of the fine detail near the eye, in shape value.
+    /// Amplitude of the fine detail, in shape value.
     pub detail: f32,
     /// Number of charts in use.
     pub charts: u32,
@@ -128,8 +128,18 @@ pub struct Layer {
     pub shade_near_m: f32,
     /// 1 over the logarithm that reaches to its rim; 0: no layer shades this one.
     pub shade_span: f32,
+    /// How far towards the light the detail is looked at that shades a place, m.
+    pub relief_m: f32,
+    /// Periods of the detail a metre: along the first chart's axes and upwards.
+    pub detail_per_m: [f32; 3],
+    /// How much a detail of 1 instead of its mean towards the light takes of it, as an exponent.
+    pub relief_depth: f32,
+    /// Ranges between which the detail fades, m.
+    pub detail_fade_m: [f32; 2],
     /// Pads to 16 bytes.
     pub pad2: f32,
+    /// Pads to 16 bytes.
+    pub pad3: f32,
     /// The charts.
     pub chart: [Chart; CHARTS],
     /// The outlines of the regions.
@@ -183,5 +193,3 @@ pub const RING_SLICES: f32 = 6.0;
 pub const FLASH_CAP_M: f32 = 200.0;
 /// Colour of a flash's light: the blue of a channel of 24,000 K or so.
 pub const FLASH_COLOUR: Vec3 = Vec3::new(0.80, 0.90, 1.25);
-/// The fine detail fades between these ranges, m.
-pub const DETAIL_FADE_M: [f32; 2] = [2_500.0, 9_000.0];

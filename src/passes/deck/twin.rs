@@ -1,6 +1,6 @@
 //! Twin of `march.wgsl` and `deck.wgsl`: walks the crossings of a ray with slices and rings from near to far.
 
-use super::field::{Look, Textures, city_glow, light_at, look, shown, source, view};
+use super::field::{Look, Textures, city_glow, light_at, look, relieved, shown, source, view};
 use super::spans::{Heights, Leg};
 use super::{FLASH_COLOUR, Layer, RING_SHARE, RING_SLICES};
 use crate::clouds::slices::shells;
@@ -157,11 +157,10 @@ impl Ray<'_> {
     /// The piece of the ray from the end of the piece before to `t`.
     fn segment(&self, prepared: &Prepared, piece: &mut End, t: f32, gathered: &mut Gathered) {
         let layer = prepared.layer;
-        let ds = t - piece.t;
-        if ds <= 0.0 {
+        if t <= piece.t {
             return;
         }
-        let steps = Steps::new(self.camera, layer, ds);
+        let steps = Steps::new(self.camera, layer);
         let mut at = piece.t;
         let first = piece.found.take().unwrap_or_else(|| self.look(prepared, at, steps.shortest_m(at)));
         let (mut near, mut beyond) = (first.margin, first.beyond_m);
@@ -222,7 +221,8 @@ impl Ray<'_> {
         let p = self.direction * t + Vec3::new(0.0, 0.0, self.camera.eye_m);
         let passed = self.camera.air_transmittance(height, t);
         let light = light_at(layer, &prepared.textures, self.camera.earth_m, p, height);
-        let shown = shown(layer, &prepared.textures, self.camera.earth_m, p, height);
+        let shown = shown(layer, &prepared.textures, self.camera.earth_m, p, height)
+            * relieved(layer, &prepared.textures, self.camera.earth_m, p, height, t);
         let view = view(layer, self.direction);
         let mut lit = source(layer, light, &view, p, shown);
         if prepared.textures.glow.is_some() {
@@ -238,35 +238,32 @@ impl Ray<'_> {
     }
 }
 
-/// Steps that a piece of the ray is cut into at most.
-const MOST_STEPS: u32 = 96;
 /// Pixels across which a step reaches from the range on at which it has grown far beyond its shortest: more draws grazing
 /// silhouettes as stripes.
 const STEP_PIXELS: f32 = 3.5;
 /// Least and greatest growth of a step with the range: very fine pictures end somewhere, coarse ones must not miss clouds.
 const STEP_GROWTH: [f32; 2] = [0.004, 0.025];
-/// Looks at most, with those that went too far.
-const MOST_LOOKS: u32 = 2 * MOST_STEPS;
+/// Looks through one piece at most: twice as many as the finest steps to the end of sight, since some go too far.
+const MOST_LOOKS: u32 = 4_096;
 
-/// The ladder on whose rungs the looks of a piece stand, however many are left out: leaving out changes no picture.
+/// The ladder on whose rungs looks stand, the same for all rays of a picture and however many are left out: leaving out changes
+/// no picture, and neighbouring pixels find the same cloud at the same range.
 struct Steps {
     at_eye_m: f32,
     growth: f32,
-    least_m: f32,
 }
 
 impl Steps {
-    /// Steps grow with the range, as pixels do, and are never less than the share of the piece of length `ds` that lets it
-    /// end within [`MOST_STEPS`].
-    fn new(camera: &Camera, layer: &Layer, ds: f32) -> Self {
+    /// Steps grow with the range, as pixels do.
+    fn new(camera: &Camera, layer: &Layer) -> Self {
         let pixel_rad = 2.0 * Vec3::from(camera.up).length() / camera.height_px;
         let growth = (STEP_PIXELS * pixel_rad).clamp(STEP_GROWTH[0], STEP_GROWTH[1]);
-        Self { at_eye_m: layer.step_m, growth, least_m: ds * (1.0 / MOST_STEPS as f32) }
+        Self { at_eye_m: layer.step_m, growth }
     }
 
     /// The step at the cloud's edge and inside.
     fn shortest_m(&self, at: f32) -> f32 {
-        (self.at_eye_m + self.growth * at).max(self.least_m)
+        self.at_eye_m + self.growth * at
     }
 
     /// Whether a look went further than one step: from between two rungs one step reaches past the next by the rounding.
@@ -279,15 +276,10 @@ impl Steps {
     /// metres when the eye rises by one.
     fn next_look(&self, at: f32, beyond: f32) -> f32 {
         let origin = self.at_eye_m / self.growth;
-        // Steps are even up to the range at which they begin to grow, then a geometric series.
-        let grows = ((self.least_m - self.at_eye_m) / self.growth).max(0.0);
-        let target = at + self.shortest_m(at) + beyond;
-        if target < grows {
-            return (target / self.least_m + RUNG_ROUNDING).floor() * self.least_m;
-        }
+        let surely = at + self.shortest_m(at) + beyond;
         let octaves = (1.0 + self.growth).log2();
-        let steps = (((target + origin) / (grows + origin)).log2() / octaves + RUNG_ROUNDING).floor();
-        (grows + origin) * (steps * octaves).exp2() - origin
+        let steps = ((surely / origin + 1.0).log2() / octaves + RUNG_ROUNDING).floor();
+        origin * (steps * octaves).exp2() - origin
     }
 }
 
@@ -362,9 +354,8 @@ mod tests {
 
     #[test]
     fn many_steps_at_once_end_on_the_same_rungs_as_one_by_one() {
-        // Even steps only, even steps that begin to grow, growing ones only.
-        for (at_eye_m, growth, least_m) in [(4.0, 0.004, 50.0), (37.0, 0.0126, 200.0), (37.0, 0.0126, 1.0)] {
-            let steps = Steps { at_eye_m, growth, least_m };
+        for (at_eye_m, growth) in [(4.0, 0.004), (37.0, 0.0126), (1_200.0, 0.025)] {
+            let steps = Steps { at_eye_m, growth };
             // From anywhere, a step that nothing lengthens is not a long one: it would be taken back for ever.
             for k in 0..20_000 {
                 let at = 1.37 * k as f32;

@@ -49,29 +49,24 @@ fn step_growth() -> f32 {
     return clamp(STEP_PIXELS * 2.0 * length(camera.up) / camera.height_px, STEP_GROWTH.x, STEP_GROWTH.y);
 }
 
-fn shortest_step(at: f32, least: f32) -> f32 {
-    return max(layer.step_m + step_growth() * at, least);
+fn shortest_step(at: f32) -> f32 {
+    return layer.step_m + step_growth() * at;
 }
 
 // The range of the next look: the next rung, or the last one that surely lies outside the cloud. Rungs are counted from
-// the eye, however many are left out and wherever the ray enters the layer.
-fn next_look(at: f32, least: f32, beyond: f32) -> f32 {
+// the eye, a geometric series, and are the same for all rays, however many are left out and wherever a ray enters the layer.
+fn next_look(at: f32, beyond: f32) -> f32 {
     let growth = step_growth();
     let origin = layer.step_m / growth;
-    // Steps are even up to the range at which they begin to grow, then a geometric series.
-    let grows = max((least - layer.step_m) / growth, 0.0);
-    let surely = at + shortest_step(at, least) + beyond;
-    if surely < grows {
-        return floor(surely / least + RUNG_ROUNDING) * least;
-    }
+    let surely = at + shortest_step(at) + beyond;
     let octaves = log2(1.0 + growth);
-    let steps = floor(log2((surely + origin) / (grows + origin)) / octaves + RUNG_ROUNDING);
-    return (grows + origin) * exp2(steps * octaves) - origin;
+    let steps = floor(log2(surely / origin + 1.0) / octaves + RUNG_ROUNDING);
+    return origin * exp2(steps * octaves) - origin;
 }
 
 // Whether a look that found cloud went further than one step.
-fn went_far(at: f32, least: f32, end: f32) -> bool {
-    return end - at > (1.0 + 3.0 * RUNG_ROUNDING) * shortest_step(at, least);
+fn went_far(at: f32, end: f32) -> bool {
+    return end - at > (1.0 + 3.0 * RUNG_ROUNDING) * shortest_step(at);
 }
 
 // Where between two looks that which is seen of the cloud lies, as a share of the way: about a free path behind its edge,
@@ -96,7 +91,7 @@ fn seen_between(view: View, near: f32, far: f32, at: f32, end: f32) -> Seen {
         let p = view.direction * t + vec3<f32>(0.0, 0.0, camera.eye_m);
         let passed = air_transmittance(height, t);
         seen.alpha = 1.0 - exp(-depth);
-        seen.light = source(light_at(p, height), view, p, height) * (passed * seen.alpha);
+        seen.light = source(light_at(p, height), view, p, height, t) * (passed * seen.alpha);
         seen.hidden = (1.0 - passed) * seen.alpha;
     }
     return seen;

@@ -1,4 +1,4 @@
-//! How the light of a voxel is stored in four values of a texel, and what is read from them: twin of `lit` in `field.wgsl`.
+//! How the light of a voxel is stored in four values of a texel, and what is read from them: twin of `lit` in `lit.wgsl`.
 //!
 //! *Shares* keep the beam, the diffuse light, what passes the slab, and the sky's light: what the beam's lobe needs and the
 //! sky's own way in. Square roots, so that dark values keep relative precision in 8 bits. *Harmonics* keep the spherical

@@ -23,7 +23,7 @@
 //! *How we store it* ([`encoding`]): by choice. *How we read it back* ([`volume`]): trilinear, between two thetas.
 //!
 //! No shader: the tables are made on the processor for both executors, so that they cannot differ between them, and so
-//! that those that will be needed next are made ahead while the device draws ([`library`]). They are read in `field.wgsl`.
+//! that those that will be needed next are made ahead while the device draws ([`library`]). They are read in `deck/lit.wgsl`.
 //! No twin: `node` and `volume` serve both executors; what is read from them has its twin in `encoding`.
 
 pub mod encoding;

@@ -167,7 +167,7 @@ fn shadows_are_what_the_deck_lets_through() {
         // clouds differ, more of them the flatter the light; the mean does not. The waves that move the tile turn the light's
         // way in it by up to a tenth, which the table does not know: at 25 degrees 130 m at base and top.
         assert!((ours - truth).abs() < 0.01, "{kind:?}: mean {ours}, marched {truth}");
-        assert!(apart < 0.06, "{kind:?}: {apart} apart on the mean");
+        assert!(apart < 0.07, "{kind:?}: {apart} apart on the mean");
     }
 }
 
