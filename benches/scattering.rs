@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::hint::black_box;
 use stormdeck::numeric::haar::Haar;
 use stormdeck::numeric::noise::fractal;
-use stormdeck::scattering::basis::{Basis, Content, Recipe, USUAL_PACKING};
+use stormdeck::scattering::basis::{Basis, Content, Recipe};
 use stormdeck::scattering::compress::{Ambient, Sum};
 use stormdeck::scattering::lights::Lights;
 use stormdeck::scattering::medium::Medium;
@@ -31,7 +31,7 @@ fn cloud(depth: f32, finer: usize) -> Medium {
 fn recipe(medium: &Medium, content: Content) -> Recipe {
     let params = Params { phase: Phase::HenyeyGreenstein(0.85), albedo: 0.99, tolerance: 1e-3, ..Params::default() };
     let lights = Lights::even([20, 20, 7], medium.size_m(), 4.0, false).expect("lights");
-    Recipe { medium: medium.clone(), params, lights, content, packing: USUAL_PACKING }
+    Recipe { medium: medium.clone(), params, lights, content, packing: content.usual_packing() }
 }
 
 /// 200 points from inside the cloud to below it.

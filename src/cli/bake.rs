@@ -4,7 +4,7 @@ use super::Failure;
 use super::progress::Progress;
 use crate::clouds::coverage::Coverage;
 use crate::numeric::haar::Haar;
-use crate::scattering::basis::{BakeError, Content, Recipe, USUAL_PACKING};
+use crate::scattering::basis::{BakeError, Content, Recipe};
 use crate::scattering::compress::{Packing, Width, threshold_for};
 use crate::scattering::deck::Deck;
 use crate::scattering::file;
@@ -36,11 +36,11 @@ pub(super) struct Options {
     /// How well each light is solved: residual relative to its first scattering.
     #[arg(long, default_value_t = 1e-3)]
     tolerance: f64,
-    /// How coefficients are stored: f32, f16 or byte.
-    #[arg(long, default_value = "f16", value_parser = width)]
-    width: Width,
+    /// How coefficients are stored: f32, f16 or byte; without it byte for `diffuse`, f16 for `total`.
+    #[arg(long, value_parser = width)]
+    width: Option<Width>,
     /// Coefficients below this share of the norm (light of 1 W/sr a cell's edge away, times the root of the number of cells) are
-    /// dropped; the usual one keeps bolts within 3 %.
+    /// dropped; without it what keeps bolts of `total` within 3 % and the paper's table of `diffuse` within 20 MB.
     #[arg(long, value_name = "SHARE", conflicts_with = "error")]
     threshold: Option<f64>,
     /// Drops as much as keeps the stored light within this relative error (root of summed squares), told by a sample of the lights.
@@ -166,8 +166,14 @@ fn recipe(options: &Options) -> Result<Recipe, Failure> {
             return Err(wrong(format!("{name} {value}: 0 or more, below 1")));
         }
     }
-    let threshold = options.threshold.unwrap_or(USUAL_PACKING.threshold);
-    let recipe = Recipe { medium, params, lights, content, packing: Packing { threshold, width: options.width } };
+    let threshold = options.threshold.unwrap_or(content.usual_packing().threshold);
+    let recipe = Recipe {
+        medium,
+        params,
+        lights,
+        content,
+        packing: Packing { threshold, width: options.width.unwrap_or(content.usual_packing().width) },
+    };
     match options.error {
         Some(error) => within(recipe, error),
         None => Ok(recipe),
@@ -315,7 +321,7 @@ mod tests {
             at: 0.0,
             layer: 0,
             tolerance: 1e-2,
-            width: Width::F16,
+            width: None,
             threshold: None,
             error: None,
             interval: None,
@@ -378,7 +384,8 @@ mod tests {
         let folder = Folder::new("error");
         for (width, error) in [(Width::F32, 0.01), (Width::F16, 0.03), (Width::Log8, 0.06)] {
             let out = folder.0.join(format!("{width:?}"));
-            run(&Options { width, error: Some(error), interval: Some(4_000.0), ..options(&out) }).expect("baked");
+            run(&Options { width: Some(width), error: Some(error), interval: Some(4_000.0), ..options(&out) })
+                .expect("baked");
             let basis = file::read(&std::fs::read(&out).expect("written")).expect("a basis");
             assert_eq!(basis.recipe.packing.width, width);
             // A sample told the threshold: the other lights may be a little worse.

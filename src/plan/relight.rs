@@ -29,6 +29,8 @@ use std::sync::Arc;
 
 /// Points farther than this above or below a layer do not light it by a field, m.
 const REACH_M: f64 = 6_000.0;
+/// Optical depth of a layer up to which it has tables: a night's storm 9.5 km thick took minutes for one flash.
+const DEEPEST: f32 = 60.0;
 /// Points that stand for a channel: cells of the field are wider than its pieces are long.
 const SOURCES: usize = 48;
 
@@ -103,7 +105,7 @@ pub fn split<'a>(
     (lit, points, ahead)
 }
 
-/// Names of the methods that find some fields' light: another than was asked for where a table is larger than all may be.
+/// Names of the methods that find some fields' light: another than was asked for where a table is not worth making.
 fn by(lit: &[LitFlash]) -> String {
     let methods: BTreeSet<Lighting> = lit.iter().map(|flash| flash.request.method).collect();
     methods.into_iter().map(Lighting::name).collect::<Vec<_>>().join(" and ")
@@ -177,7 +179,7 @@ fn placing(there: &Eye, eye: &Eye, intensity_cd: f64) -> Placing {
 }
 
 /// What a part's field is made from and the ground point that it lies about; `None` where no cloud is near, and while there is
-/// no channel. Where a table would be larger than all tables may be, the flash is solved.
+/// no channel. Where a table is not worth making the flash is solved.
 fn request(snapshot: &Snapshot, part: &Part, method: Lighting) -> Option<(Request, Eye)> {
     let flash = part.flash;
     let points = points(flash.channel.as_deref()?, part);
@@ -219,10 +221,12 @@ fn request(snapshot: &Snapshot, part: &Part, method: Lighting) -> Option<(Reques
     (!too_thin(&request)).then_some((request, there))
 }
 
-/// Whether a request's table has room in the memory that all may take.
+/// Whether a request's table is worth making: it has room in the memory that all may take, and its cloud is no tower, where each
+/// light would take seconds and be worth little between its neighbours.
 fn fits(snapshot: &Snapshot, request: &Request) -> bool {
     let most = snapshot.quality.basis_memory_mib as usize;
-    request.patch.is_none_or(|window| bytes(request.method, &window) >> 20 <= most)
+    let depth = request.layer.extinction_per_m * request.layer.thickness_m;
+    depth <= DEEPEST && request.patch.is_none_or(|window| bytes(request.method, &window) >> 20 <= most)
 }
 
 /// How far a flash lies behind the nearer of the faces of its cloud, m; 0 outside of clouds.

@@ -8,7 +8,7 @@ use super::subject::{Run, Stopped, Subject};
 use super::timing::measure;
 use crate::clouds::CloudKind;
 use crate::clouds::coverage::Coverage;
-use crate::scattering::basis::{Basis, Content, Recipe, USUAL_PACKING};
+use crate::scattering::basis::{Basis, Content, Recipe};
 use crate::scattering::compress::{Packing, Width};
 use crate::scattering::deck::Deck;
 use crate::scattering::lights::Lights;
@@ -60,7 +60,7 @@ fn bake(run: &mut Run, medium: &Medium) -> Result<[Basis; 2], Stopped> {
         params: params(),
         lights: lights.clone(),
         content,
-        packing: USUAL_PACKING,
+        packing: content.usual_packing(),
     };
     let mut threads = rayon::current_num_threads();
     let mut counts = vec![threads];
@@ -215,7 +215,7 @@ fn deeper(run: &mut Run) -> Result<(), Stopped> {
         let mut bases = Vec::new();
         for content in [Content::Total, Content::Diffuse] {
             let lights = lights.clone();
-            let recipe = Recipe { medium: medium.clone(), params, lights, content, packing: USUAL_PACKING };
+            let recipe = Recipe { medium: medium.clone(), params, lights, content, packing: content.usual_packing() };
             bases.push(Basis::bake_for(recipe.clone(), &used(&recipe, &bolts)).map_err(failed)?);
         }
         let bases: [Basis; 2] = bases.try_into().map_err(|_| failed("no basis"))?;

@@ -223,6 +223,8 @@ impl Direct {
         let mut towards = vec![0.0_f32; nm];
         let mut far = Vec::with_capacity(cells);
         let mut sum = 0.0;
+        // The width of the phase function's peak, rad, is about one over this.
+        let sharpness = 1.0 / (1.0 - phase.asymmetry().abs()).max(0.01);
         for cell in 0..cells {
             let at = [cell % nx, cell / nx % ny, cell / (nx * ny)];
             if (0..3).all(|k| at[k] >= near[k][0] && at[k] < near[k][1]) {
@@ -241,11 +243,13 @@ impl Direct {
             for (m, y) in self.moments[cell * nk..][..nk].iter_mut().zip(&y) {
                 *m += (fluence * y) as f32;
             }
-            for (x, s) in cosines.iter_mut().zip(&angles.set.directions) {
-                *x = dot(d, *s) as f32;
-            }
             towards.fill(0.0);
-            phase.add_values(&cosines, fluence as f32, &mut towards);
+            for (d, share) in within(medium, source_m, cell, sharpness) {
+                for (x, s) in cosines.iter_mut().zip(&angles.set.directions) {
+                    *x = dot(d, *s) as f32;
+                }
+                phase.add_values(&cosines, (fluence * share) as f32, &mut towards);
+            }
             for (m, value) in towards.iter().enumerate() {
                 self.towards[m * cells + cell] += value;
             }
@@ -276,6 +280,30 @@ impl Direct {
 /// The smallest block around two.
 fn around(a: [[usize; 2]; 3], b: [[usize; 2]; 3]) -> [[usize; 2]; 3] {
     std::array::from_fn(|k| [a[k][0].min(b[k][0]), a[k][1].max(b[k][1])])
+}
+
+/// Directions from a source to the parts of a cell and their shares of its light: as many as the phase function turns over the angle
+/// under which the cell is seen. One alone would see a sharp peak whole or not at all.
+fn within(medium: &Medium, source_m: Direction, cell: usize, sharpness: f64) -> Vec<(Direction, f64)> {
+    let centre = medium.centre_m(cell);
+    let from: Direction = std::array::from_fn(|k| centre[k] - source_m[k]);
+    let distance = dot(from, from).sqrt();
+    let parts: [usize; 3] = medium.spacing_m.map(|h| (1.5 * sharpness * h / distance).ceil().clamp(1.0, 3.0) as usize);
+    let sigma = f64::from(medium.extinction_per_m[cell]);
+    let part = |i: usize| -> (Direction, f64) {
+        let at = [i % parts[0], i / parts[0] % parts[1], i / (parts[0] * parts[1])];
+        let v: Direction =
+            std::array::from_fn(|k| from[k] + ((at[k] as f64 + 0.5) / parts[k] as f64 - 0.5) * medium.spacing_m[k]);
+        let r = dot(v, v).sqrt();
+        (v.map(|c| c / r), r)
+    };
+    let mut all: Vec<(Direction, f64)> = (0..parts.iter().product()).map(part).collect();
+    // The near side of a thick cell has more.
+    let nearest = all.iter().map(|(_, r)| *r).fold(f64::INFINITY, f64::min);
+    all.iter_mut().for_each(|(_, r)| *r = (sigma * (nearest - *r)).exp() / (*r * *r));
+    let sum: f64 = all.iter().map(|(_, light)| light).sum();
+    all.iter_mut().for_each(|(_, light)| *light /= sum);
+    all
 }
 
 /// Direction from the source to a far cell and the mean fluence in it. A cell that swallows much of the light on its way
@@ -362,6 +390,39 @@ mod tests {
                 let bound = if source[2] < 0.0 { 0.02 } else { 1e-3 };
                 assert!((sum - 1.0).abs() < bound, "{sigma} {source:?}: {sum}");
                 assert!(direct.moments.iter().chain(&direct.towards).all(|v| v.is_finite()));
+            }
+        }
+    }
+
+    #[test]
+    fn a_cell_that_a_sharp_peak_meets_scatters_the_mean_of_it() {
+        // Clear cells behind each other on an axis, which is a direction of the set: the peak points at it.
+        let medium = Medium::new([15, 5, 5], [1.0; 3], vec![0.0; 375], false).expect("legal");
+        let (source, forward) = ([2.5, 2.5, 2.5], [1.0, 0.0, 0.0]);
+        let angles = Angles::new(Rule::Lebedev26);
+        let ahead = angles.set.nearest(forward);
+        for asymmetry in [0.85, 0.95] {
+            let phase = Phase::HenyeyGreenstein(asymmetry);
+            let mut direct = Direct::dark(medium.len(), &angles, 0);
+            direct.add(&medium, &[(source, 1.0)], (&angles, &Rays::new(2048, &angles, phase), phase), None);
+            for distance in [4.0, 7.0, 11.0] {
+                let cell = medium.index([2 + distance as usize, 2, 2]);
+                // The mean of phase function over distance squared, by 20 x 20 x 20 parts.
+                let part = |i: usize| (i as f64 + 0.5) / 20.0 - 0.5;
+                let mean = (0..8000)
+                    .map(|i| {
+                        let v = [distance + part(i % 20), part(i / 20 % 20), part(i / 400)];
+                        let r2 = dot(v, v);
+                        phase.value(v[0] / r2.sqrt()) / r2
+                    })
+                    .sum::<f64>()
+                    / 8000.0;
+                let found = f64::from(direct.towards[ahead * medium.len() + cell]);
+                // Three parts an edge at most, one of them in the middle of the peak.
+                let bound = if asymmetry > 0.9 { 0.2 } else { 0.1 };
+                assert!((found / mean - 1.0).abs() < bound, "{asymmetry} {distance}: {found} {mean}");
+                let alone = phase.value(1.0) / (distance * distance);
+                assert!(alone > 1.2 * mean || distance > 5.0 && asymmetry < 0.9 || distance > 8.0, "{alone} {mean}");
             }
         }
     }

@@ -231,6 +231,11 @@ impl Solver {
         &self.shared.angles
     }
 
+    /// Share of each moment of the light in a cell that a collision of the transport scatters, moment by moment.
+    pub fn scattered(&self) -> Vec<f32> {
+        self.shared.angles.orders.iter().map(|l| self.shared.scattering[*l] as f32).collect()
+    }
+
     /// What it was made with.
     pub fn params(&self) -> &Params {
         &self.params

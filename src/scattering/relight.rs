@@ -180,9 +180,14 @@ impl<'a> Relighter<'a> {
                     let (fields, outside) = self.sum(table, &points, corner);
                     let cells = self.medium.len();
                     let moments = fields.len() / cells;
-                    // From moment by moment to cell by cell.
-                    let diffuse: Vec<f32> =
-                        (0..fields.len()).map(|i| fields[i % moments * cells + i / moments]).collect();
+                    // From moment by moment to cell by cell, and from what is scattered to what arrives; of what is evened out
+                    // nothing is scattered again.
+                    let scattered = solver.scattered();
+                    let over = |share: f32| if share.abs() > 1e-6 { 1.0 / share } else { 0.0 };
+                    let arrives: Vec<f32> = scattered.into_iter().map(over).collect();
+                    let diffuse: Vec<f32> = (0..fields.len())
+                        .map(|i| arrives[i % moments] * fields[i % moments * cells + i / moments])
+                        .collect();
                     let merged = merged();
                     let direct = solver.direct_of_clusters(&borrowed(&clusters(&merged, self.cluster_m())));
                     relit.towards = solver.collect(&direct, &diffuse);

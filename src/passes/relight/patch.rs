@@ -4,7 +4,7 @@
 
 use super::cloud::{cell_m, levels};
 use super::{Lighting, Request, WIDTH, Window};
-use crate::scattering::basis::{Content, Recipe, USUAL_PACKING};
+use crate::scattering::basis::{Content, Recipe};
 use crate::scattering::lights::{Lights, LightsError};
 use crate::scattering::medium::Medium;
 
@@ -72,7 +72,7 @@ fn content(method: Lighting) -> Option<Content> {
 pub fn recipe(request: &Request, window: &Window, medium: Medium) -> Option<Recipe> {
     let lights = lights(window).ok()?;
     let content = content(request.method)?;
-    Some(Recipe { medium, params: super::solve::params(), lights, content, packing: USUAL_PACKING })
+    Some(Recipe { medium, params: super::solve::params(), lights, content, packing: content.usual_packing() })
 }
 
 /// About how much memory the whole table of a piece takes, bytes; 0 for methods without one.
