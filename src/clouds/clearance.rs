@@ -29,7 +29,7 @@ const AREA: usize = WIDTH * WIDTH;
 /// The table of a genus at its usual thickness, made at first use and kept (1.5 MiB). A layer of another thickness may go as far
 /// where it is thicker, and less far by the ratio of both where it is thinner.
 pub fn of(kind: CloudKind) -> Arc<Vec<u8>> {
-    static KEPT: [OnceLock<Arc<Vec<u8>>>; 10] = [const { OnceLock::new() }; 10];
+    static KEPT: [OnceLock<Arc<Vec<u8>>>; CloudKind::COUNT] = [const { OnceLock::new() }; CloudKind::COUNT];
     let volume = DensityVolume::of(kind);
     KEPT[kind.index()].get_or_init(|| Arc::new(build(&volume.shape, kind.appearance().usual_thickness_m))).clone()
 }

@@ -5,6 +5,7 @@
 //! *How we compute it.* For each column the greatest theta that leaves it visibly deep, by bisection; the map is uniform
 //! and independent of the tile, so the cover of an offset is an average over the columns, and its inverse a table.
 
+use super::cell;
 use super::density::{DensityVolume, HEIGHT, WIDTH};
 use super::kind::CloudKind;
 use rayon::prelude::*;
@@ -32,7 +33,7 @@ pub struct Threshold {
 impl Coverage {
     /// The calibration of a genus, made at first use and kept.
     pub fn of(kind: CloudKind) -> Arc<Self> {
-        static KEPT: LazyLock<[Mutex<Option<Arc<Coverage>>>; 10]> =
+        static KEPT: LazyLock<[Mutex<Option<Arc<Coverage>>>; CloudKind::COUNT]> =
             LazyLock::new(|| std::array::from_fn(|_| Mutex::new(None)));
         let mut kept = KEPT[kind.index()].lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         kept.get_or_insert_with(|| Arc::new(Self::build(kind))).clone()
@@ -55,6 +56,10 @@ impl Coverage {
     }
 
     fn build(kind: CloudKind) -> Self {
+        if kind == CloudKind::StormCell {
+            // How far it has grown, not how much it covers.
+            return Self { entries: std::array::from_fn(|i| cell::threshold(i as f32 / STEPS as f32)) };
+        }
         let look = kind.appearance();
         let full = look.extinction_per_m * look.usual_thickness_m;
         // Seen as cloud: an optical depth of 1, or a third of what the thin genera can reach.

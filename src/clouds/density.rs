@@ -6,6 +6,7 @@
 //! *How we store it.* One byte a voxel, x fastest, then y, then z upwards.
 //! *How we read it back.* Trilinear, wrapping in x and y, clamped in z (voxel centres at (k + 0.5) / 32 of the thickness).
 
+use super::cell;
 use super::kind::CloudKind;
 use crate::numeric::noise::{Cellular, fractal, gradient};
 use glam::{Vec2, Vec3};
@@ -31,13 +32,16 @@ pub struct DensityVolume {
 impl DensityVolume {
     /// The volume of a genus, built at first use and kept (2 MiB each).
     pub fn of(kind: CloudKind) -> Arc<Self> {
-        static KEPT: LazyLock<[Mutex<Option<Arc<DensityVolume>>>; 10]> =
+        static KEPT: LazyLock<[Mutex<Option<Arc<DensityVolume>>>; CloudKind::COUNT]> =
             LazyLock::new(|| std::array::from_fn(|_| Mutex::new(None)));
         let mut kept = KEPT[kind.index()].lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         kept.get_or_insert_with(|| Arc::new(Self::build(kind))).clone()
     }
 
     fn build(kind: CloudKind) -> Self {
+        if kind == CloudKind::StormCell {
+            return Self { shape: cell::shape() };
+        }
         let look = kind.appearance();
         let seed = 100 * (kind.index() as u32 + 1);
         let [nx, ny] = look.elements;

@@ -1,4 +1,4 @@
-//! The ten cloud genera and what makes each look like itself.
+//! The ten cloud genera, and the storm cell, and what makes each look like itself.
 
 /// Cloud genera (WMO International Cloud Atlas), as CIGI's weather packets and METAR name them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -23,6 +23,8 @@ pub enum CloudKind {
     Cirrocumulus,
     /// Cs: halo veil.
     Cirrostratus,
+    /// One cumulonimbus, bounded by the region that it stands in (see [`super::cell`]): no genus that a sky is filled with.
+    StormCell,
 }
 
 /// What makes a genus look like itself. Lengths in metres, extinction in 1/m; the rest are shares of the shape value,
@@ -62,6 +64,9 @@ pub struct Appearance {
 }
 
 impl CloudKind {
+    /// Genera and the storm cell: one more than any [`CloudKind::index`].
+    pub const COUNT: usize = 11;
+
     /// All genera, in the order of the International Cloud Atlas's low to high.
     pub const ALL: [Self; 10] = [
         Self::Stratus,
@@ -177,10 +182,24 @@ impl CloudKind {
                 let veil = a(0.0006, 1500.0, [6, 8], 0.0, 0.1);
                 Appearance { taper: 0.0, edge: 0.9, detail_tile_m: [9_000.0, 3_000.0, 6_000.0], ..veil }
             }
+            // Its shape is its own: of these only extinction, thickness (of a cell of 12 km in a square of 40 km, brought to the
+            // tile's scale), fine detail and the edge count.
+            Self::StormCell => Appearance {
+                edge: 0.05,
+                patchiness: 0.0,
+                detail: 0.035,
+                detail_tile_m: [2_800.0; 3],
+                ..a(0.08, 4800.0, [14, 14], 0.8, 0.05)
+            },
         }
     }
 
-    /// Index in [`CloudKind::ALL`].
+    /// Whether it is bounded by its region: the tile is one cloud, and repeats nowhere.
+    pub fn is_bounded(self) -> bool {
+        self == Self::StormCell
+    }
+
+    /// Index in [`CloudKind::ALL`]; the storm cell's comes after them.
     pub fn index(self) -> usize {
         self as usize
     }

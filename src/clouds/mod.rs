@@ -1,5 +1,6 @@
 //! A deck as numbers: genera, density, coverage, light, rings and slices. Knows no clock, no client and no GPU.
 
+pub mod cell;
 pub mod clearance;
 pub mod coverage;
 pub mod density;

@@ -15,6 +15,8 @@ pub const WAVES: usize = 4;
 const EAST: [f32; WAVES] = [1.308_378e-5, 3.655_636e-6, -7.800_198e-6, -1.402_771e-5];
 /// Waves a metre, north.
 const NORTH: [f32; WAVES] = [8.496_709e-6, 1.364_302e-5, 1.599_278e-5, 9.461_809e-6];
+/// Phases that mean that there are no waves.
+pub const NONE: [f32; WAVES] = [-1.0; WAVES];
 /// How far each moves a place east at most, m: 1.3 km along its crests.
 const EASTWARD_M: [f32; WAVES] = [-708.0, -1255.7, -1168.4, -727.0];
 /// The same north.
@@ -29,6 +31,9 @@ pub fn phases(chart_m: DVec2) -> [f32; WAVES] {
 /// have these phases.
 pub fn shift_m(phases: &[f32; WAVES], moved: Vec2) -> Vec2 {
     let mut shift = Vec2::ZERO;
+    if phases[0] < 0.0 {
+        return shift;
+    }
     for i in 0..WAVES {
         let phase = phases[i] + EAST[i] * moved.x + NORTH[i] * moved.y;
         let f = phase - (phase + 0.5).floor();

@@ -26,7 +26,7 @@ pub const BLEND: f64 = 0.000_54;
 /// A chart as seen from an eye. All f64; the caller narrows to f32.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChartView {
-    /// Which chart, 0 to 31.
+    /// Which chart, 0 to 31; [`CHARTS`] for one of its own.
     pub chart: usize,
     /// Chart coordinate of the eye's ground point in metres.
     pub origin_m: DVec2,
@@ -92,7 +92,13 @@ pub fn charts_near(eye_ecef_unit: DVec3, east: DVec3, north: DVec3, drift: DQuat
     let mut near: Vec<usize> = (0..CHARTS).filter(|&i| (0..CHARTS).all(|j| i == j || may_lead(i, j))).collect();
     near.sort_by(|&i, &j| seen[j].z.total_cmp(&seen[i].z));
     near.truncate(MOST_AT_ONCE);
-    near.into_iter().map(|chart| view(chart, &eye_axes, seen[chart])).collect()
+    near.into_iter().map(|chart| view(chart, &AXES[chart], CENTRE_SCALE, &eye_axes)).collect()
+}
+
+/// A chart of one's own, true to scale at its centre: `axes` are its x, its y and its centre (orthonormal), `eye_axes` east, north and
+/// up at the eye, both in one frame. Its number is [`CHARTS`].
+pub fn chart_about(axes: &DMat3, eye_axes: &DMat3) -> ChartView {
+    view(CHARTS, axes, 1.0, eye_axes)
 }
 
 /// The blending rule: weights of the charts in a direction d (unit, eye's axes), in the order of `views`.
@@ -114,17 +120,17 @@ fn blend(nearness: &[f64]) -> Vec<f64> {
 /// A rotation of the sphere is the Moebius map (alpha z + beta) / (-conj(beta) z + conj(alpha)) of its stereographic
 /// coordinate z = tan(angle / 2) (Needham, "Visual Complex Analysis", chapter 6), here with alpha = w + i z and
 /// beta = y - i x of the quaternion; drawn out about z = 0 it has the form of [`ChartView`].
-fn view(chart: usize, eye_axes: &DMat3, w: DVec3) -> ChartView {
-    let turn = DQuat::from_mat3(&(AXES[chart].transpose() * *eye_axes)).normalize();
+fn view(chart: usize, axes: &DMat3, scale: f64, eye_axes: &DMat3) -> ChartView {
+    let turn = DQuat::from_mat3(&(axes.transpose() * *eye_axes)).normalize();
     let alpha_bar = DVec2::new(turn.w, -turn.z);
     let beta = DVec2::new(turn.y, -turn.x);
     let beta_bar = DVec2::new(turn.y, turn.x);
     ChartView {
         chart,
-        origin_m: divide(beta, alpha_bar) * (2.0 * MEAN_RADIUS_M * CENTRE_SCALE),
-        a: divide(DVec2::X, multiply(alpha_bar, alpha_bar)) * CENTRE_SCALE,
+        origin_m: divide(beta, alpha_bar) * (2.0 * MEAN_RADIUS_M * scale),
+        a: divide(DVec2::X, multiply(alpha_bar, alpha_bar)) * scale,
         c: divide(beta_bar, alpha_bar) / (2.0 * MEAN_RADIUS_M),
-        w,
+        w: eye_axes.transpose() * axes.z_axis,
     }
 }
 

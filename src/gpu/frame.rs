@@ -165,6 +165,10 @@ impl Recorder<'_> {
             let resources = [parameters.as_entire_binding(), wgpu::BindingResource::TextureView(shadow)];
             (GroundVariant::of(ground, plan), group(self.gpu, &pipelines.ground_layout, &resources))
         });
+        let beams = plan.beams.as_ref().map(|beams| {
+            let parameters = self.gpu.buffer("beams", bytemuck::bytes_of(beams), wgpu::BufferUsages::STORAGE);
+            group(self.gpu, &pipelines.mesh_layout, &[parameters.as_entire_binding()])
+        });
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("behind"),
             color_attachments: &[Some(attachment(&self.target.light_view, true))],
@@ -180,6 +184,11 @@ impl Recorder<'_> {
         pass.set_pipeline(pipelines.sky(self.gpu, plan.terrain(), plan.stars.is_some()));
         pass.set_bind_group(1, self.stars, &[]);
         pass.draw(0..3, 0..1);
+        if let Some(beams) = &beams {
+            pass.set_pipeline(pipelines.beams(self.gpu, plan.terrain()));
+            pass.set_bind_group(1, beams, &[]);
+            pass.draw(0..3, 0..1);
+        }
     }
 
     fn tonemap(&self, encoder: &mut wgpu::CommandEncoder, pipelines: &Pipelines) {

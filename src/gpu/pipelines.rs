@@ -34,6 +34,7 @@ pub fn shaders() -> Vec<(&'static str, String)> {
         with_common("shadow", &format!("{RELIGHT}\n{FIELD}\n{}", include_str!("../passes/shadow/shadow.wgsl"))),
         with_common("veil", &format!("{RELIGHT}\n{FIELD}\n{}", include_str!("../passes/veil/veil.wgsl"))),
         with_common("stroke", include_str!("../passes/stroke/stroke.wgsl")),
+        with_common("beams", include_str!("../passes/beams/beams.wgsl")),
         with_common("airlight", include_str!("../passes/airlight/airlight.wgsl")),
         ("glow", include_str!("../passes/glow/glow.wgsl").to_string()),
         with_common("cull", include_str!("../passes/cull/cull.wgsl")),
@@ -120,6 +121,9 @@ pub struct Pipelines {
     pub relief: wgpu::RenderPipeline,
     pub cull: wgpu::RenderPipeline,
     pub tonemap: wgpu::RenderPipeline,
+    beams_module: wgpu::ShaderModule,
+    beams_pipeline_layout: wgpu::PipelineLayout,
+    beams: HashMap<bool, wgpu::RenderPipeline>,
     sky_module: wgpu::ShaderModule,
     sky_pipeline_layout: wgpu::PipelineLayout,
     sky: HashMap<(bool, bool), wgpu::RenderPipeline>,
@@ -196,6 +200,9 @@ impl Pipelines {
                 None,
                 &[],
             ),
+            beams_module: module("beams"),
+            beams_pipeline_layout: pipeline_layout(gpu, &[Some(&layouts.frame), Some(&layouts.mesh)]),
+            beams: HashMap::new(),
             sky_module: module("sky"),
             sky_pipeline_layout: pipeline_layout(gpu, &[Some(&layouts.frame), Some(&layouts.stars)]),
             sky: HashMap::new(),
@@ -249,6 +256,15 @@ impl Pipelines {
             let constants = variant.constants();
             let options = wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
             compute(gpu, "veil", &self.veil_module, &self.veil_pipeline_layout, options)
+        })
+    }
+
+    /// The pipeline of the own ship's lights, over terrain or over a sphere.
+    pub fn beams(&mut self, gpu: &Gpu, terrain: bool) -> &wgpu::RenderPipeline {
+        self.beams.entry(terrain).or_insert_with(|| {
+            let constants = [("TERRAIN", f64::from(u8::from(terrain)))];
+            let target = Some(added(gpu.light_format));
+            render(gpu, "beams", &self.beams_module, &self.beams_pipeline_layout, target, None, &constants)
         })
     }
 

@@ -32,6 +32,7 @@ impl Field {
             exposure: Exposure::Ev100(10.0),
             frustum: None,
             mirror: [false; 2],
+            lights: Default::default(),
             entity: 0,
             carrier: Some(carrier),
         };
@@ -89,6 +90,6 @@ impl Field {
 
 /// Bounds of a genus's columns, made at first use and kept: 16 KiB each.
 fn bounds(kind: CloudKind) -> &'static [u8] {
-    static KEPT: [OnceLock<Vec<u8>>; CloudKind::ALL.len()] = [const { OnceLock::new() }; CloudKind::ALL.len()];
+    static KEPT: [OnceLock<Vec<u8>>; CloudKind::COUNT] = [const { OnceLock::new() }; CloudKind::COUNT];
     KEPT[kind.index()].get_or_init(|| column_bounds(&DensityVolume::of(kind).shape))
 }

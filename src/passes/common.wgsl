@@ -156,7 +156,9 @@ fn tile_of(origin_m: vec2<f32>, warp: vec4<f32>, moved: vec2<f32>) -> vec2<f32> 
     let phase = warp + WARP_EAST * moved.x + WARP_NORTH * moved.y;
     let f = phase - floor(phase + 0.5);
     let wave = f * (8.0 - 16.0 * abs(f));
-    let shift = vec2<f32>(dot(wave, WARP_EASTWARD_M), dot(wave, WARP_NORTHWARD_M));
+    // Negative phases: no waves.
+    let waves = select(1.0, 0.0, warp.x < 0.0);
+    let shift = waves * vec2<f32>(dot(wave, WARP_EASTWARD_M), dot(wave, WARP_NORTHWARD_M));
     return (origin_m + moved + shift) * (1.0 / TILE_M);
 }
 

@@ -5,6 +5,7 @@
 //! sphere of the local mean radius of curvature. Luminance is in cd/m2 until `exposure` scales it.
 
 pub mod airlight;
+pub mod beams;
 pub mod common;
 pub mod cull;
 pub mod deck;

@@ -28,6 +28,8 @@ pub struct Eye {
     pub position: Geodetic,
     /// How far below the lowest height the eye would be, and has been lifted.
     pub lifted_m: f64,
+    /// Forward, right and down axes of the body that carries it in east, north, up.
+    pub body: [Vec3; 3],
     /// Right, up and forward axes of the picture in east, north, up.
     pub axes: [Vec3; 3],
 }
@@ -43,7 +45,8 @@ impl Eye {
         let position = Geodetic { altitude_m: place.altitude_m.max(ground_m.max(0.0) + LOWEST_EYE_M), ..place };
         let axes_enu = enu(&position);
         // The view's axes against the body, in the eye's own east, north, up.
-        let turned = axes_enu.transpose() * enu(&ownship.position) * body * ned_from_body(&view.attitude);
+        let carried = axes_enu.transpose() * enu(&ownship.position) * body;
+        let turned = carried * ned_from_body(&view.attitude);
         let column = |axis: DVec3| (turned * axis).as_vec3();
         Self {
             enu: axes_enu,
@@ -53,6 +56,7 @@ impl Eye {
             height_m: position.altitude_m,
             lifted_m: position.altitude_m - place.altitude_m,
             position,
+            body: [carried.x_axis, carried.y_axis, carried.z_axis].map(|axis| axis.as_vec3()),
             axes: [column(DVec3::Y), column(DVec3::NEG_Z), column(DVec3::X)],
         }
     }

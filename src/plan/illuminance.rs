@@ -26,6 +26,7 @@ use crate::world::command::Frustum;
 use crate::world::regions::weight_at;
 use crate::world::snapshot::{Snapshot, ViewState};
 use column::{ClearSky, Column, Level};
+pub use exposure::FULL_LUX_EXPOSURE;
 use glam::{DMat3, DQuat, Vec2, Vec3};
 
 /// Angular radius of the sun and, nearly, of the moon.
@@ -53,6 +54,8 @@ pub struct Illuminance {
     pub exposure: f32,
     /// How much each column rules at the eye.
     shares: Vec<f32>,
+    /// Which columns are those of regions that stand in the surroundings' weather.
+    stands_in: Vec<bool>,
     air: Air,
     lights: [Luminary; 2],
     /// How much of the lamps of cities is lit: all while the sun is lower than 8 degrees below the horizon, none above 1.7.
@@ -108,12 +111,24 @@ impl Illuminance {
         };
         let mu = key.direction.z.max(0.02);
         let clear = ClearSky { at: &level, eye: level(eye.height_m as f32), ground: level(0.0), mu };
-        let weathers = std::iter::once(&snapshot.weather).chain(regions.iter().map(|region| &region.state.weather));
-        let columns: Vec<Column> = weathers.map(|w| Column::new(&w.layers, &clear, eye.height_m)).collect();
+        let around = &snapshot.weather.layers;
+        let of = |region: &NearRegion| match region.state.stands_in() {
+            true => Column::standing_in(&region.state.weather.layers, around, &clear, eye.height_m),
+            false => Column::new(&region.state.weather.layers, &clear, eye.height_m),
+        };
+        let columns: Vec<Column> =
+            std::iter::once(Column::new(around, &clear, eye.height_m)).chain(regions.iter().map(of)).collect();
+        let stands_in = std::iter::once(false).chain(regions.iter().map(|region| region.state.stands_in())).collect();
         let shares = shares(regions);
         let here = |level: fn(&Column) -> Level| Level::mixed(shares.iter().copied().zip(columns.iter().map(level)));
         let (at_eye, ground) = (here(|column| column.eye), here(|column| column.ground));
-        let ev = exposure::ev100(view.exposure, &at_eye, mu, snapshot, eye);
+        // Towards the sun the sky of a twilight is many times as bright as overhead.
+        let set = 1.0 - smoothstep(-0.06, 0.0, sun.z);
+        let bright_side_lux =
+            if set > 0.0 { set * bright_side_lux(&air, &higher, eye.height_m as f32, &lights) } else { 0.0 };
+        // As much as of all skylight comes through the clouds; what they let through is the more even the less it is.
+        let open = (at_eye.diffuse_lux.y / clear.eye.diffuse_lux.y.max(1e-9)).min(1.0);
+        let ev = exposure::ev100(view.exposure, &at_eye, mu, bright_side_lux * open * open, snapshot, eye);
         let height_m = quantised(eye.height_m as f32);
         let scale = (1.2 * ev.exp2()).log2().round().exp2();
         // In steps of a fiftieth, so that the sky's table is not made for each frame of a dusk.
@@ -140,6 +155,7 @@ impl Illuminance {
             unshaded_lux,
             exposure,
             shares,
+            stands_in,
             air,
             lights,
             night,
@@ -226,7 +242,7 @@ impl Illuminance {
     /// The light on ground between the clouds.
     pub fn between_clouds(&self) -> shadow::Light {
         let (direct_lux, diffuse_lux) = (self.unshaded_lux.y, self.ground.diffuse_lux.y);
-        shadow::Light { source: self.source, direct_lux, diffuse_lux, weathers: self.columns.len() }
+        shadow::Light { source: self.source, direct_lux, diffuse_lux, stands_in: self.stands_in.clone() }
     }
 
     /// Light for ground with shadows: the source's is that between clouds. Clouds stop more of it than the columns know, who
@@ -352,6 +368,35 @@ fn skylight(air: &Air, higher: &HigherOrders, height_m: f32, lights: &[Luminary;
         }
     }
     sum * (std::f32::consts::PI / (rows * columns) as f32)
+}
+
+/// How much more light of the clear sky a plane has that stands upright and faces the brighter luminary than half of what a level one has,
+/// which is its part of an even sky; twice that, lux.
+fn bright_side_lux(air: &Air, higher: &HigherOrders, height_m: f32, lights: &[Luminary; 2]) -> f32 {
+    let lights: Vec<Luminary> = lights.iter().filter(|l| l.illuminance_lux != Vec3::ZERO).copied().collect();
+    let Some(brightest) = lights.iter().max_by(|a, b| {
+        let strength = |l: &Luminary| l.illuminance_lux.y * (8.0 * l.direction.z.min(0.0)).exp();
+        strength(a).total_cmp(&strength(b))
+    }) else {
+        return 0.0;
+    };
+    let towards = Vec2::new(brightest.direction.x, brightest.direction.y).normalize_or(Vec2::Y);
+    let (rows, columns) = (5, 8);
+    let (mut upright, mut level) = (0.0, 0.0);
+    for row in 0..rows {
+        // Even in height over the horizon, where a twilight has its light.
+        let up = ((row as f32 + 0.5) / rows as f32).powi(2);
+        let flat = (1.0 - up * up).sqrt();
+        let solid = 2.0 * up.sqrt() / rows as f32 * (std::f32::consts::TAU / columns as f32);
+        for column in 0..columns {
+            let (sin, cos) = ((column as f32 + 0.5) / columns as f32 * std::f32::consts::TAU).sin_cos();
+            let azimuth = Vec2::new(towards.x * cos - towards.y * sin, towards.x * sin + towards.y * cos) * flat;
+            let seen = air.inscatter(higher, height_m, azimuth.extend(up), &lights, 12).0.y;
+            upright += seen * (cos * flat).max(0.0) * solid;
+            level += seen * up * solid;
+        }
+    }
+    (2.0 * upright - level).max(0.0)
 }
 
 fn horizon(earth_m: f32, height_m: f32) -> f32 {

@@ -1,17 +1,18 @@
 //! The cloud layers in sight, with every number that the light and deck passes read.
 
+use super::cells::{Cell, bound, outlines};
 use super::eye::Eye;
 use super::illuminance::Illuminance;
 use super::regions::NearRegion;
 use super::relight::Bare;
 use super::{LayerPlan, PassNote};
 use crate::clouds::coverage::Coverage;
-use crate::clouds::{density, modulation, slices};
+use crate::clouds::{CloudKind, density, modulation, slices};
 use crate::geo::charts::weights;
 use crate::passes::common::Chart;
 use crate::passes::deck::field::CLEAR;
 use crate::passes::deck::twin::OPAQUE;
-use crate::passes::deck::{FLASHES, Flash, Layer, REGIONS, Region};
+use crate::passes::deck::{FLASHES, Flash, Layer};
 use crate::passes::light::encoding::Encoding;
 use crate::passes::light::grid::corners;
 use crate::passes::light::{LEAVING, Light, Nodes};
@@ -118,7 +119,14 @@ impl Context<'_> {
         }
         let top_m = state.base_m + state.thickness_m;
         let extent = extent_m(self.eye, top_m);
-        let (near, charts) = self.eye.charts(state.drift, extent, f64::from(density::TILE_M));
+        let region = column.checked_sub(1).map(|i| &self.regions[i]);
+        let cell = region.and_then(|region| Cell::of(state, &region.state.shape));
+        let (near, charts) = match &cell {
+            Some(cell) => cell.charts(self.eye),
+            None => self.eye.charts(state.drift, extent, f64::from(density::TILE_M)),
+        };
+        // What the tile is smaller than the cell: light and distances are made for the tile.
+        let scale = cell.as_ref().map_or(1.0, Cell::scale);
         let look = state.kind.appearance();
         let threshold = Coverage::of(state.kind).threshold(state.coverage as f32);
         let quality = self.snapshot.quality;
@@ -130,10 +138,8 @@ impl Context<'_> {
         });
         // Detail lies in the nearest chart alone: it is gone where the next chart becomes the nearest, so that it never steps.
         let detail_share = weights(&near, DVec3::Z).first().map_or(0.0, |w| (2.0 * w - 1.0).clamp(0.0, 1.0)) as f32;
-        let mut outline = [Region::default(); REGIONS];
-        for (slot, near) in outline.iter_mut().zip(self.regions) {
-            *slot = near.outline;
-        }
+        let outline = outlines(self.regions, column, state, self.eye);
+        let (bound_m, bound_radius_m) = region.map_or(([0.0; 3], 0.0), |region| bound(region, state, self.eye));
         let mut flash = [Flash::default(); FLASHES];
         flash[..self.flashes.len()].copy_from_slice(self.flashes);
         let nodes = Nodes::around(threshold.offset, threshold.patchiness, look.edge);
@@ -159,16 +165,16 @@ impl Context<'_> {
             flashes: self.flashes.len() as u32,
             region: column as u32,
             detail_origin: origin,
-            detail_per_m: tile.map(|m| 1.0 / m),
+            detail_per_m: [1.0 / (scale * tile[0]), 1.0 / (scale * tile[1]), 1.0 / tile[2]],
             detail_fade_m: DETAIL_FADE.map(|periods| periods * tile[1]),
             relief_m: RELIEF * tile[1],
             relief_depth: (extinction * look.detail * detail_share * RELIEF * tile[1] / look.edge * 2.0 * LEAVING)
                 .min(MOST_RELIEF),
-            reach_m: 0.3 * density::TILE_M / look.elements[0].max(look.elements[1]) as f32,
+            reach_m: 0.3 * density::TILE_M / look.elements[0].max(look.elements[1]) as f32 / scale,
             step_m: (1_200.0 / quality.slices as f32).max(4.0),
             hidden_below: OPAQUE,
             clear_below: CLEAR,
-            clear_share: CLEAR_SHARE * (state.thickness_m as f32 / look.usual_thickness_m).min(1.0),
+            clear_share: CLEAR_SHARE / scale * (scale * state.thickness_m as f32 / look.usual_thickness_m).min(1.0),
             theta_slope_per_m: threshold.patchiness * modulation::steepest_per_m(),
             light_low: nodes.theta(0),
             light_per_theta: 1.0 / nodes.step,
@@ -177,6 +183,8 @@ impl Context<'_> {
             shade_height_m: 0.0,
             shade_near_m: 1.0,
             shade_span: 0.0,
+            bound_m,
+            bound_radius_m,
             pad2: 0.0,
             pad3: 0.0,
             chart: charts,
@@ -185,8 +193,10 @@ impl Context<'_> {
         };
         let towards: Vec<[f32; 3]> =
             charts[..near.len()].iter().map(|chart| in_chart(chart, self.light.source)).collect();
-        let lights =
-            towards.iter().map(|towards| light_params(*towards, nodes, &layer, quality.light_encoding)).collect();
+        let lights = towards
+            .iter()
+            .map(|towards| light_params(*towards, nodes, &layer, scale, state.kind, quality.light_encoding))
+            .collect();
         note(
             true,
             format!("{name} covers {:.2} of the sky, {} slices, {} charts", state.coverage, quality.slices, near.len()),
@@ -202,15 +212,23 @@ fn in_chart(chart: &Chart, d: Vec3) -> [f32; 3] {
     [a.x * d.x - a.y * d.y, a.x * d.y + a.y * d.x, d.z]
 }
 
-/// Parameters of a light volume; thickness and extinction are rounded to about one per cent, so that volumes serve for a while.
-fn light_params(towards: [f32; 3], nodes: Nodes, layer: &Layer, encoding: Encoding) -> Light {
+/// Parameters of a light volume at the tile's scale, where depths are the same; thickness and extinction are rounded to about one per cent, so that volumes serve for a while.
+fn light_params(
+    towards: [f32; 3],
+    nodes: Nodes,
+    layer: &Layer,
+    scale: f32,
+    kind: CloudKind,
+    encoding: Encoding,
+) -> Light {
     let one_per_cent = |v: f32| ((v.ln() * 100.0).round() / 100.0).exp();
     Light {
         corners: corners(towards),
         nodes,
-        voxel_height_m: one_per_cent(layer.thickness_m) / density::HEIGHT as f32,
-        extinction_per_m: one_per_cent(layer.extinction_per_m),
+        voxel_height_m: one_per_cent(layer.thickness_m * scale) / density::HEIGHT as f32,
+        extinction_per_m: one_per_cent(layer.extinction_per_m / scale),
         inverse_edge: layer.inverse_edge,
+        bounded: kind.is_bounded(),
         encoding,
     }
 }

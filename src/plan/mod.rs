@@ -3,6 +3,8 @@
 //! `plan` reads a snapshot and one of its views and writes down every number that the passes read, already relative to
 //! the eye and narrowed to f32, and for each pass whether it is there and why. Two equal plans give the same picture.
 
+mod beams;
+mod cells;
 pub mod executor;
 mod eye;
 mod illuminance;
@@ -15,6 +17,7 @@ mod shadow;
 mod stroke;
 
 use crate::clouds::CloudKind;
+use crate::passes::beams::Beams;
 use crate::passes::common::Camera;
 use crate::passes::deck::Layer;
 use crate::passes::deck::spans::{Leg, legs, overlap};
@@ -61,6 +64,8 @@ pub struct FramePlan {
     pub layers: Vec<LayerPlan>,
     /// Channels of lightning, their glow and their light in the air, while a flash gives light.
     pub strokes: Option<StrokePlan>,
+    /// The own ship's lights, while they shine in cloud or haze.
+    pub beams: Option<Beams>,
     /// Flashes whose light inside the clouds is found as a field; other flashes are points of the layers and the ground.
     pub lit: Vec<LitFlash>,
     /// What the coming frames' flashes may be lit by: made beforehand where pictures do not wait.
@@ -160,6 +165,10 @@ pub fn plan(snapshot: &Snapshot, view: &ViewState, output: Output) -> FramePlan 
     }
     let deck_scale = deck_scale(snapshot.quality.deck_scale, eye.height_m as f32, &layers, &mut notes);
     let mut camera = light.camera(&eye, view);
+    let beams = beams::lit(snapshot, &eye, view, &camera, &layers, &mut notes);
+    if let Some(beams) = &beams {
+        camera.exposure = beams::exposure(view.exposure, &camera, beams, illuminance::FULL_LUX_EXPOSURE);
+    }
     let shadow = shadow::cast(&camera, &light.between_clouds(), &layers, deck_scale, &mut notes);
     let below = stroke::on_ground(&bare, &eye, &flashes);
     let relief = relief::in_sight(snapshot, &eye, light.night > 0.0, &mut notes);
@@ -192,6 +201,7 @@ pub fn plan(snapshot: &Snapshot, view: &ViewState, output: Output) -> FramePlan 
         deck_form,
         layers,
         strokes,
+        beams,
         lit,
         ahead,
         basis_memory_mib: snapshot.quality.basis_memory_mib,
@@ -203,7 +213,11 @@ pub fn plan(snapshot: &Snapshot, view: &ViewState, output: Output) -> FramePlan 
 /// Pixels of the picture each way to one of the deck. Between a layer's base and top, where every ray runs through it and
 /// what is near is soft, a deck that is coarser than the picture is coarsened by one more; a deck at full size stays so.
 fn deck_scale(asked: u32, eye_m: f32, layers: &[LayerPlan], notes: &mut Vec<PassNote>) -> u32 {
-    let inside = |l: &LayerPlan| l.layer.base_m < eye_m && eye_m < l.layer.base_m + l.layer.thickness_m;
+    let inside = |l: &LayerPlan| {
+        let beside = glam::Vec3::from(l.layer.bound_m) - glam::Vec3::new(0.0, 0.0, eye_m);
+        let near = l.layer.bound_radius_m == 0.0 || beside.length() < l.layer.bound_radius_m;
+        near && l.layer.base_m < eye_m && eye_m < l.layer.base_m + l.layer.thickness_m
+    };
     if asked > 1 && layers.iter().any(inside) {
         let why = format!("one pixel for {0} x {0} of the picture, since the eye is inside a layer", asked + 1);
         notes.push(PassNote { pass: "deck", kept: true, why });

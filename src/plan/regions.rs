@@ -37,9 +37,15 @@ pub fn near<'a>(snapshot: &'a Snapshot, eye: &Eye, notes: &mut Vec<PassNote>) ->
         })
         .collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let sight_m = super::layers::extent_m(eye, 12_000.0);
-    let beyond = found.iter().filter(|(d, _)| *d > sight_m).count();
-    found.retain(|(d, _)| *d <= sight_m);
+    // As far as anything of its clouds can be seen, those of the weather around included.
+    let top_m = |region: &NearRegion| {
+        let tops = region.state.weather.layers.iter().map(|layer| layer.base_m + layer.thickness_m);
+        tops.fold(12_000.0, f64::max)
+    };
+    let seen = |(distance_m, region): &(f64, NearRegion)| *distance_m <= super::layers::extent_m(eye, top_m(region));
+    let all = found.len();
+    found.retain(seen);
+    let beyond = all - found.len();
     if beyond > 0 {
         notes.push(note(false, format!("{beyond} regions lie beyond the horizon")));
     }
@@ -86,7 +92,7 @@ fn note(kept: bool, why: String) -> PassNote {
 }
 
 /// The outline around the eye, and the distance from the eye to where the region's weight begins (0 inside).
-fn outline(shape: &RegionShape, presence: f64, eye: &Eye) -> (Region, f64) {
+pub fn outline(shape: &RegionShape, presence: f64, eye: &Eye) -> (Region, f64) {
     let centre = place(shape, eye, 0.0, 0.0);
     // The rotated axes at the centre, as they lie in the eye's coordinates.
     let angle = shape.rotation_deg.to_radians();

@@ -6,6 +6,7 @@
 mod patch;
 
 use super::PassNote;
+use super::cells::{Cell, outlines};
 use super::eye::Eye;
 use super::layers::extent_m;
 use super::regions::{self, NearRegion};
@@ -16,7 +17,7 @@ use crate::geo::terrain::Terrain;
 use crate::geo::wgs84::MEAN_RADIUS_M;
 use crate::lightning::flash::Light;
 use crate::lightning::strike::{Source, StrikeChannel};
-use crate::passes::deck::{Layer, REGIONS, Region};
+use crate::passes::deck::{Layer, Region};
 use crate::passes::relight::cloud::too_thin;
 use crate::passes::relight::patch::bytes;
 use crate::passes::relight::{FIELDS, Lighting, LitFlash, Placing, Point, Request};
@@ -162,6 +163,7 @@ fn below(position: &Geodetic) -> Eye {
         exposure: Exposure::Automatic,
         frustum: None,
         mirror: [false; 2],
+        lights: Default::default(),
         entity: 0,
         carrier: None,
     };
@@ -188,7 +190,7 @@ fn request(snapshot: &Snapshot, part: &Part, method: Lighting) -> Option<(Reques
     }
     let there = below(&flash.position);
     let regions = regions::near(snapshot, &there, &mut Vec::new());
-    let around: f64 = regions.iter().map(|region| 1.0 - region.weight).product();
+    let around: f64 = regions.iter().filter(|r| !r.state.stands_in()).map(|r| 1.0 - r.weight).product();
     let weathers = std::iter::once((0, &snapshot.weather, around))
         .chain(regions.iter().enumerate().map(|(i, r)| (i + 1, &r.state.weather, r.weight)));
     let mut best: Option<(f64, usize, &LayerState)> = None;
@@ -232,7 +234,7 @@ fn fits(snapshot: &Snapshot, request: &Request) -> bool {
 /// How far a flash lies behind the nearer of the faces of its cloud, m; 0 outside of clouds.
 pub fn depth_m(snapshot: &Snapshot, flash: &FlashState) -> f64 {
     let regions = regions::near(snapshot, &below(&flash.position), &mut Vec::new());
-    let around: f64 = regions.iter().map(|region| 1.0 - region.weight).product();
+    let around: f64 = regions.iter().filter(|r| !r.state.stands_in()).map(|r| 1.0 - r.weight).product();
     let weathers =
         std::iter::once((&snapshot.weather, around)).chain(regions.iter().map(|r| (&r.state.weather, r.weight)));
     let depth_of = |layer: &LayerState| {
@@ -260,7 +262,11 @@ fn nearness(layer: &LayerState, points: &[Point]) -> f64 {
 fn drawn(state: &LayerState, column: usize, there: &Eye, regions: &[NearRegion], drift: DQuat) -> Layer {
     let look = state.kind.appearance();
     let threshold = Coverage::of(state.kind).threshold(state.coverage as f32);
-    let (near, mut chart) = there.charts(drift, extent_m(there, 0.0), f64::from(density::TILE_M));
+    let cell = column.checked_sub(1).and_then(|i| Cell::of(state, &regions.get(i)?.state.shape));
+    let (near, mut chart) = match &cell {
+        Some(cell) => cell.charts(there),
+        None => there.charts(drift, extent_m(there, 0.0), f64::from(density::TILE_M)),
+    };
     let rounded = |v: f32, steps: f32| (v * steps).round() / steps;
     for chart in &mut chart {
         // A metre in the tile; less than that in the map.
@@ -273,10 +279,8 @@ fn drawn(state: &LayerState, column: usize, there: &Eye, regions: &[NearRegion],
         chart.warp = chart.warp.map(|v| rounded(v, 65_536.0));
     }
     let one_per_cent = |v: f32| ((v.ln() * 100.0).round() / 100.0).exp();
-    let mut outline = [Region::default(); REGIONS];
-    for (slot, near) in outline.iter_mut().zip(regions) {
-        *slot = Region { presence: rounded(near.outline.presence, 64.0), ..near.outline };
-    }
+    let outline =
+        outlines(regions, column, state, there).map(|near| Region { presence: rounded(near.presence, 64.0), ..near });
     Layer {
         base_m: rounded(state.base_m as f32, 0.1),
         thickness_m: one_per_cent(state.thickness_m as f32),
@@ -295,6 +299,10 @@ fn drawn(state: &LayerState, column: usize, there: &Eye, regions: &[NearRegion],
 
 /// The layer's drift some seconds ago, by the wind that it has now.
 fn blown_back(state: &LayerState, there: &Eye, since_s: f64) -> DQuat {
+    if state.kind.is_bounded() {
+        // A storm cell stands where its region does.
+        return DQuat::IDENTITY;
+    }
     let (sin, cos) = state.wind_from_deg.to_radians().sin_cos();
     let velocity = (there.enu.x_axis * -sin + there.enu.y_axis * -cos) * state.wind_speed_mps;
     let turn = there.enu.z_axis.cross(velocity) / (MEAN_RADIUS_M + state.base_m);

@@ -28,6 +28,7 @@ pub fn clear_day() -> Snapshot {
         exposure: Exposure::Automatic,
         frustum: None,
         mirror: [false; 2],
+        lights: Default::default(),
         entity: 0,
         carrier: None,
     };

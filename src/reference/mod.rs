@@ -22,7 +22,7 @@ use crate::passes::shadow::twin::Caster;
 use crate::passes::shadow::{Columns, shade};
 use crate::passes::sky::table::{TableParams, Texel, build};
 use crate::passes::sky::twin as sky;
-use crate::passes::{ground, stroke, tonemap};
+use crate::passes::{beams, ground, stroke, tonemap};
 use crate::plan::executor::{Executor, Fault, Finished};
 use crate::plan::{FramePlan, LayerPlan, LayerShadow, Output};
 use glam::{Vec3, Vec4};
@@ -193,7 +193,7 @@ impl ReferenceExecutor {
     }
 
     fn bounds(&mut self, kind: CloudKind) -> Arc<Vec<u8>> {
-        keep(&mut self.bounds, kind, CloudKind::ALL.len(), || empty_space(kind))
+        keep(&mut self.bounds, kind, CloudKind::COUNT, || empty_space(kind))
     }
 }
 
@@ -265,7 +265,19 @@ impl Scene<'_> {
     fn seen(&self, x: usize, y: usize) -> Vec3 {
         let at = x + y * self.plan.size_px[0] as usize;
         let strokes = self.strokes.map_or(Vec3::ZERO, |strokes| stroke::COLOUR * strokes.texels[at]);
-        self.luminance(x, y) + strokes
+        self.luminance(x, y) + strokes + self.beams(x, y)
+    }
+
+    /// What of the own ship's lights is scattered towards the eye.
+    fn beams(&self, x: usize, y: usize) -> Vec3 {
+        let Some(lit) = &self.plan.beams else { return Vec3::ZERO };
+        let at = [x as f32 + 0.5, y as f32 + 0.5];
+        let direction = self.plan.camera.ray(at[0], at[1]);
+        Vec3::splat(beams::twin::luminance(
+            lit,
+            direction,
+            images::range(self.ranges, &self.plan.camera, at, direction),
+        ))
     }
 
     /// Luminance of one pixel without them, cd/m2 per colour.

@@ -72,6 +72,7 @@ impl Sky {
             extinction_per_m: look.extinction_per_m,
             edge: look.edge,
             pieces,
+            bounded: false,
         };
         let threshold = Coverage::of(kind).threshold(coverage);
         let mut layer = Layer::zeroed();

@@ -15,6 +15,7 @@ pub const BUILT_IN_SCENARIOS: &[(&str, &str)] = &[
     ("night-storm", include_str!("../../config/scenarios/night-storm.json")),
     ("overcast-night-cities", include_str!("../../config/scenarios/overcast-night-cities.json")),
     ("scattered-sunset", include_str!("../../config/scenarios/scattered-sunset.json")),
+    ("storm-cell", include_str!("../../config/scenarios/storm-cell.json")),
 ];
 
 /// The text of the scenario inside the binary with this name.

@@ -162,6 +162,7 @@ fn the_sun_stands_where_the_names_of_the_scenarios_say() {
         ("clear-day", 40.0, 70.0),
         ("broken-noon-cumulus", 58.0, 62.0),
         ("scattered-sunset", 1.5, 4.0),
+        ("storm-cell", 1.0, 5.0),
         // Below -18 degrees the sky has no light of the sun.
         ("overcast-night-cities", -90.0, -18.0),
         ("night-storm", -90.0, -18.0),

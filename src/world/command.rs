@@ -225,6 +225,10 @@ pub struct ViewEdit {
     pub roll_deg: Option<f64>,
     /// Exposure.
     pub exposure: Option<Exposure>,
+    /// Whether the own ship's landing lights shine.
+    pub landing_light: Option<bool>,
+    /// Whether its strobes flash.
+    pub strobe: Option<bool>,
     /// The sides of the picture, in place of the field of view; the picture fills them whatever its size in pixels.
     pub frustum: Option<Frustum>,
     /// Whether the picture is mirrored, left to right and top to bottom.

@@ -104,6 +104,22 @@ pub struct RegionState {
     pub presence: f64,
 }
 
+impl RegionState {
+    /// Whether its clouds are storm cells alone: then the weather around goes on, and they stand in it.
+    pub fn stands_in(&self) -> bool {
+        !self.weather.layers.is_empty() && self.weather.layers.iter().all(|layer| layer.kind == CloudKind::StormCell)
+    }
+}
+
+/// Which of the own ship's lights shine in a view.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct OwnLights {
+    /// Landing lights.
+    pub landing: bool,
+    /// Strobes: they flash by simulation time.
+    pub strobe: bool,
+}
+
 /// One view.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ViewState {
@@ -117,6 +133,8 @@ pub struct ViewState {
     pub offset_m: [f64; 3],
     /// Attitude against the body.
     pub attitude: Attitude,
+    /// The own ship's lights.
+    pub lights: OwnLights,
     /// Exposure.
     pub exposure: Exposure,
     /// The sides of the picture, where they are not those of the field of view.

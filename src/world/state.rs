@@ -22,7 +22,7 @@ use super::storms::Storms;
 use super::strikes::Strikes;
 use super::thunder::Thunder;
 use super::views;
-use super::weather::Weather;
+use super::weather::{self, Weather};
 
 /// Height of a flash's light where there is no cloud.
 const STRIKE_ALTITUDE_WITHOUT_CLOUD_M: f64 = 2_000.0;
@@ -289,7 +289,10 @@ impl State {
     fn edit_weather(&mut self, edit: &WeatherEdit) -> Result<(), Refused> {
         match &edit.region {
             Some(shape) => regions::edit(&mut self.regions, shape, edit, &self.weather, self.now_s),
-            None => self.weather.edit(edit, &self.ownship.at(self.now_s).position, self.now_s),
+            None => {
+                weather::refuse_cells(edit)?;
+                self.weather.edit(edit, &self.ownship.at(self.now_s).position, self.now_s)
+            }
         }
     }
 

@@ -22,6 +22,7 @@ pub fn default_view(name: &str) -> ViewState {
         exposure: Exposure::Automatic,
         frustum: None,
         mirror: [false; 2],
+        lights: Default::default(),
         entity: 0,
         carrier: None,
     }
@@ -79,6 +80,8 @@ pub fn edit(views: &mut Vec<ViewState>, edit: &ViewEdit) -> Result<(), Refused> 
         check_frustum(&frustum)?;
         view.frustum = Some(frustum);
     }
+    view.lights.landing = edit.landing_light.unwrap_or(view.lights.landing);
+    view.lights.strobe = edit.strobe.unwrap_or(view.lights.strobe);
     view.mirror = edit.mirror.unwrap_or(view.mirror);
     view.entity = edit.entity.unwrap_or(view.entity);
     let pixels = |view: &ViewState| u64::from(view.size_px[0]) * u64::from(view.size_px[1]);

@@ -1,5 +1,6 @@
 //! Weather that eases: a list of layers and a visibility, each quantity on its own way from its old to its new value.
 
+use crate::clouds::CloudKind;
 use crate::geo::Geodetic;
 
 use super::check;
@@ -150,6 +151,23 @@ fn refuse_overlap(field: &str, lower: &LayerSpec, upper: &LayerSpec) -> Result<(
         return Ok(());
     }
     Err(Refused::new(field, upper.base_m, format!("at least {top_m}, the top of the layer below"), "layer over layer"))
+}
+
+/// Refuses storm cells in the weather of the globe: they need the bounds of a region.
+///
+/// # Errors
+/// [`Refused`] with the field that asks for one.
+pub fn refuse_cells(edit: &WeatherEdit) -> Result<(), Refused> {
+    let listed = edit.layers.iter().flatten().map(|layer| Some(layer.kind)).enumerate();
+    let listed = listed.map(|(k, kind)| (format!("layers[{k}].cloud_type"), kind));
+    let changed = edit.changes.iter().map(|change| change.kind).enumerate();
+    let changed = changed.map(|(k, kind)| (format!("changes[{k}].cloud_type"), kind));
+    match listed.chain(changed).find(|(_, kind)| *kind == Some(CloudKind::StormCell)) {
+        None => Ok(()),
+        Some((field, _)) => {
+            Err(Refused::new(field, "storm_cell", "a genus", "a storm cell stands in a region; give the region"))
+        }
+    }
 }
 
 fn check_layer(field: &str, spec: &LayerSpec) -> Result<(), Refused> {

@@ -3,7 +3,7 @@
 use crate::clouds::CloudKind;
 use crate::geo::terrain::Terrain;
 use crate::world::World;
-use crate::world::command::{Command, LayerSpec, Ownship, TimeEdit, WeatherEdit};
+use crate::world::command::{Command, LayerSpec, Ownship, RegionShape, TimeEdit, WeatherEdit};
 use crate::world::event::Refused;
 use crate::world::snapshot::Snapshot;
 
@@ -18,7 +18,7 @@ pub(super) struct Sheet {
 }
 
 /// All sheets.
-pub(super) const SHEETS: &[Sheet] = &[TYPES, DAYS, APPROACH];
+pub(super) const SHEETS: &[Sheet] = &[TYPES, CELL, DAYS, APPROACH];
 
 /// Where the eye is and what it sees: one cell.
 #[derive(Clone, Debug)]
@@ -33,6 +33,8 @@ pub(super) struct Scene {
     pub(super) field_of_view_deg: f64,
     pub(super) visibility_m: f64,
     pub(super) layers: Vec<LayerSpec>,
+    /// What the world is told besides.
+    pub(super) more: Vec<Command>,
 }
 
 impl Scene {
@@ -59,7 +61,8 @@ impl Scene {
             ..WeatherEdit::default()
         };
         let time = TimeEdit { utc_s: Some(self.utc_s), rate: Some(0.0) };
-        for command in [Command::Time(time), Command::Ownship(ownship), Command::Weather(weather)] {
+        let first = [Command::Time(time), Command::Ownship(ownship), Command::Weather(weather)];
+        for command in first.into_iter().chain(self.more.iter().cloned()) {
             world.apply(command)?;
         }
         world.advance_to(0.0);
@@ -99,7 +102,7 @@ fn types(kind: CloudKind, utc_s: f64, eye: usize) -> Scene {
         CloudKind::Stratus => (400.0, 400.0, 1.0),
         CloudKind::Stratocumulus => (1_200.0, 500.0, 0.8),
         CloudKind::Cumulus => (1_200.0, 1_200.0, 0.45),
-        CloudKind::Cumulonimbus => (1_200.0, 9_000.0, 0.4),
+        CloudKind::Cumulonimbus | CloudKind::StormCell => (1_200.0, 9_000.0, 0.4),
         CloudKind::Nimbostratus => (800.0, 3_000.0, 1.0),
         CloudKind::Altostratus => (3_500.0, 1_000.0, 0.95),
         CloudKind::Altocumulus => (3_500.0, 400.0, 0.65),
@@ -124,6 +127,62 @@ fn types(kind: CloudKind, utc_s: f64, eye: usize) -> Scene {
         field_of_view_deg: 70.0,
         visibility_m: 60_000.0,
         layers: vec![layer],
+        more: Vec::new(),
+    }
+}
+
+/// A storm cell from far and near.
+const CELL: Sheet = Sheet {
+    name: "cell",
+    about: "a storm cell of 13 km at four times of day, from 100 km, 25 km, under it, in its tower, in its anvil and above",
+    rows: || TIMES.iter().map(|(time, _)| (*time).to_owned()).collect(),
+    columns: || CELL_EYES.map(|eye| eye.0.to_owned()).to_vec(),
+    scene: |row, column| cell(TIMES[row].1, CELL_EYES[column]),
+};
+
+/// Name, metres west and south of the cell's middle, altitude, heading and pitch; its tower stands 6 km west of the middle.
+const CELL_EYES: [(&str, f64, f64, f64, f64, f64); 6] = [
+    ("100 km", 5_000.0, 100_000.0, 3_000.0, 0.0, 2.0),
+    ("25 km", 6_000.0, 25_000.0, 2_000.0, 0.0, 12.0),
+    ("under", -1_000.0, 3_000.0, 300.0, 270.0, 25.0),
+    ("in the tower", 6_000.0, 0.0, 6_000.0, 0.0, 0.0),
+    ("in the anvil", -8_000.0, 0.0, 12_000.0, 270.0, 0.0),
+    ("above", -30_000.0, 25_000.0, 17_000.0, 310.0, -12.0),
+];
+
+fn cell(utc_s: f64, (_, west_m, south_m, altitude_m, yaw_deg, pitch_deg): (&str, f64, f64, f64, f64, f64)) -> Scene {
+    let (latitude_deg, longitude_deg) = (47.0, 8.0);
+    let layer = LayerSpec {
+        kind: CloudKind::StormCell,
+        base_m: 1_000.0,
+        thickness_m: 13_000.0,
+        coverage: 1.0,
+        density: 1.0,
+        wind_speed_mps: 20.0,
+        wind_from_deg: 270.0,
+    };
+    let region = RegionShape {
+        name: "cell".into(),
+        latitude_deg,
+        longitude_deg,
+        size_east_m: 40_000.0,
+        size_north_m: 40_000.0,
+        corner_radius_m: 0.0,
+        rotation_deg: 0.0,
+        transition_m: 0.0,
+    };
+    let weather = WeatherEdit { region: Some(region), layers: Some(vec![layer]), ..WeatherEdit::default() };
+    Scene {
+        utc_s,
+        latitude_deg: latitude_deg - south_m / 111_200.0,
+        longitude_deg: longitude_deg - west_m / (111_200.0 * latitude_deg.to_radians().cos()),
+        altitude_m,
+        yaw_deg,
+        pitch_deg,
+        field_of_view_deg: 60.0,
+        visibility_m: 80_000.0,
+        layers: Vec::new(),
+        more: vec![Command::Weather(weather)],
     }
 }
 
@@ -167,6 +226,7 @@ fn days(sky: usize, place: usize, step: u32) -> Scene {
         field_of_view_deg: 70.0,
         visibility_m: 60_000.0,
         layers: if coverage > 0.0 { vec![layer] } else { Vec::new() },
+        more: Vec::new(),
     }
 }
 
@@ -208,5 +268,6 @@ fn approach(overcast: bool, altitude_m: f64) -> Scene {
         field_of_view_deg: 60.0,
         visibility_m: 40_000.0,
         layers: if overcast { vec![layer] } else { Vec::new() },
+        more: Vec::new(),
     }
 }

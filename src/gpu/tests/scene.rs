@@ -26,6 +26,9 @@ pub struct Scene {
     pub tower: bool,
     pub terrain: bool,
     pub night: bool,
+    /// A storm cell so far ahead, km.
+    pub cell_km: Option<f64>,
+    pub own_lights: bool,
 }
 
 /// Under broken clouds by day, looking up.
@@ -42,6 +45,8 @@ pub const BELOW: Scene = Scene {
     tower: false,
     terrain: false,
     night: false,
+    cell_km: None,
+    own_lights: false,
 };
 
 /// Over the Alps, looking down at them, clouds among the crests.
@@ -82,6 +87,27 @@ impl Scene {
         apply(Command::Time(TimeEdit { utc_s: Some(utc_s), rate: Some(1.0) }));
         let layer = LayerSpec { coverage: self.coverage, ..CUMULUS };
         apply(Command::Weather(WeatherEdit { layers: Some(vec![layer]), ..Default::default() }));
+        if let Some(ahead_km) = self.cell_km {
+            let shape = RegionShape {
+                name: "storm".into(),
+                latitude_deg: latitude_deg - ahead_km * 0.866 / 111.2,
+                longitude_deg: longitude_deg + ahead_km * 0.5 / (111.2 * latitude_deg.to_radians().cos()),
+                size_east_m: 40_000.0,
+                size_north_m: 40_000.0,
+                corner_radius_m: 0.0,
+                rotation_deg: 0.0,
+                transition_m: 0.0,
+            };
+            let (kind, base_m, thickness_m) = (CloudKind::StormCell, 900.0, 12_000.0);
+            let cell = LayerSpec { kind, base_m, thickness_m, coverage: 1.0, ..CUMULUS };
+            let (region, layers) = (Some(shape), Some(vec![cell]));
+            apply(Command::Weather(WeatherEdit { region, layers, ..Default::default() }));
+        }
+        if self.own_lights {
+            let (landing_light, strobe) = (Some(true), Some(true));
+            let (action, name) = (ViewAction::Change, "main".into());
+            apply(Command::View(ViewEdit { action, name, landing_light, strobe, ..Default::default() }));
+        }
         if self.region {
             let shape = RegionShape {
                 name: "cell".into(),

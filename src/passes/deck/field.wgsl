@@ -53,6 +53,8 @@ struct Layer {
     detail_fade_m: vec2<f32>,
     pad2: f32,
     pad3: f32,
+    bound_m: vec3<f32>,
+    bound_radius_m: f32,
     chart: array<Chart, 3>,
     outline: array<Region, 16>,
     flash: array<Flash, 64>,

@@ -39,7 +39,8 @@ fn crossing(up: f32, height: f32) -> f32 {
 }
 
 // `ground`: range at which the ground stops the ray.
-fn leg_of(up: f32, ground: f32) -> Leg {
+fn leg_of(direction: vec3<f32>, ground: f32) -> Leg {
+    let up = direction.z;
     let flat_share = max(sqrt(max(1.0 - up * up, 0.0)), 1e-4);
     let lowest = max(-(camera.earth_m + camera.eye_m) * up, 0.0);
     let low_t = crossing(up, heights.low_m);
@@ -57,6 +58,11 @@ fn leg_of(up: f32, ground: f32) -> Leg {
     // What the ray rises through is left through its upper end, or not met.
     end = select(end, 0.0, end >= FAR);
     end = min(min(end, layer.extent_m / max(flat_share, 1e-3)), ground);
+    if REGIONS {
+        let stretch = bounded(direction);
+        begin = max(begin, stretch.x);
+        end = min(end, stretch.y);
+    }
     var rings_end = begin;
     if begin < end && carried(up, flat_share, begin) {
         rings_end = end;
@@ -118,7 +124,7 @@ fn deck_march(
     let there = vec2<f32>(id) + 0.5;
     let direction = ray_of(there);
     let nearer = textureLoad(before, id, 0);
-    let leg = leg_of(direction.z, ground_range(there, direction.z));
+    let leg = leg_of(direction, ground_range(there, direction.z));
     var transmittance = 1.0 - nearer.a;
     // No return stands before the loop: lavapipe lets a loop run to its end for pixels that have returned.
     var going = leg.begin < leg.end && transmittance >= layer.hidden_below;

@@ -140,6 +140,10 @@ pub struct Layer {
     pub pad2: f32,
     /// Pads to 16 bytes.
     pub pad3: f32,
+    /// Middle of a sphere around all of a region's layer: east, north, height over the tangent plane, m.
+    pub bound_m: [f32; 3],
+    /// Its radius; 0: the layer has no bound.
+    pub bound_radius_m: f32,
     /// The charts.
     pub chart: [Chart; CHARTS],
     /// The outlines of the regions.
@@ -152,6 +156,22 @@ impl Layer {
     /// How its light is stored.
     pub fn encoding(&self) -> Encoding {
         Encoding::ALL.get(self.light_encoding as usize).copied().unwrap_or_default()
+    }
+
+    /// The stretch of a ray from the eye, `eye_m` over the sphere, that may meet the layer; empty where the second range is not
+    /// beyond the first. Twin of `bounded` in `walk.wgsl`.
+    pub fn bounded(&self, eye_m: f32, direction: Vec3) -> [f32; 2] {
+        if self.bound_radius_m == 0.0 {
+            return [0.0, f32::INFINITY];
+        }
+        let middle = Vec3::from(self.bound_m) - Vec3::new(0.0, 0.0, eye_m);
+        let nearest = direction.dot(middle);
+        let beside = (middle - direction * nearest).length_squared();
+        let half = self.bound_radius_m * self.bound_radius_m - beside;
+        if half <= 0.0 {
+            return [0.0; 2];
+        }
+        [nearest - half.sqrt(), nearest + half.sqrt()]
     }
 }
 

@@ -98,6 +98,8 @@ impl Ray<'_> {
             return;
         }
         let to = to.min(self.end_m).min(layer.extent_m / self.flat.max(1e-3));
+        let [enters, leaves] = layer.bounded(self.camera.eye_m, self.direction);
+        let (from, to) = (from.max(enters), to.min(leaves));
         // Infinite where the leg does not meet the layer.
         if from >= to {
             return;

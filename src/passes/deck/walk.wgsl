@@ -24,6 +24,21 @@ fn switch_between(up: f32, flat_share: f32, near_t: f32, far_t: f32) -> f32 {
     return 0.5 * (near + far);
 }
 
+// The stretch of a ray that may meet the layer; empty where the second range is not beyond the first.
+fn bounded(direction: vec3<f32>) -> vec2<f32> {
+    if layer.bound_radius_m == 0.0 {
+        return vec2<f32>(0.0, FAR);
+    }
+    let middle = layer.bound_m - vec3<f32>(0.0, 0.0, camera.eye_m);
+    let nearest = dot(direction, middle);
+    let beside = middle - direction * nearest;
+    let half = layer.bound_radius_m * layer.bound_radius_m - dot(beside, beside);
+    if half <= 0.0 {
+        return vec2<f32>(0.0);
+    }
+    return nearest + vec2<f32>(-sqrt(half), sqrt(half));
+}
+
 fn clamp_sum(m: f32) -> f32 {
     let c = clamp(m, 0.0, 1.0);
     return 0.5 * c * c + max(m - 1.0, 0.0);

@@ -42,6 +42,7 @@ fn key(kind: CloudKind, light: &Light, k: u32, at: [i32; 2]) -> Key {
         voxel_height_m: light.voxel_height_m,
         extinction_per_m: light.extinction_per_m,
         inverse_edge: light.inverse_edge,
+        bounded: light.bounded,
     };
     (kind, node, light.encoding)
 }

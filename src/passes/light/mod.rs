@@ -101,6 +101,8 @@ pub struct Light {
     pub extinction_per_m: f32,
     /// 1 over the shape value from edge to whole.
     pub inverse_edge: f32,
+    /// Whether the tile is one cloud with nothing beside it: light does not come out of one side and in at the other.
+    pub bounded: bool,
     /// How it is stored.
     pub encoding: Encoding,
 }

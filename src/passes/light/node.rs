@@ -26,6 +26,8 @@ pub struct Node {
     pub extinction_per_m: f32,
     /// 1 over the shape value from edge to whole.
     pub inverse_edge: f32,
+    /// Whether nothing lies beside the tile; else it repeats.
+    pub bounded: bool,
 }
 
 /// Optical depths of one slice, one for each voxel.
@@ -87,6 +89,7 @@ struct Way {
     height_m: f32,
     /// Share of the sky's light that comes from each of four neighbours.
     spread: f32,
+    bounded: bool,
 }
 
 impl Way {
@@ -96,7 +99,7 @@ impl Way {
         let shift = [dx, dy].map(|d| d * slant_m / VOXEL_M);
         let pieces = (shift[0].hypot(shift[1]).ceil() as u32).clamp(1, MOST_PIECES);
         let spread = 0.25 * SKY_SPREAD * (node.voxel_height_m / VOXEL_M).powi(2);
-        Self { shift, slant_m, pieces, height_m: node.voxel_height_m, spread: spread.min(0.2) }
+        Self { shift, slant_m, pieces, height_m: node.voxel_height_m, spread: spread.min(0.2), bounded: node.bounded }
     }
 
     /// Depths along the light: `sign` 1, it comes from the first slice to the second; -1, it goes there.
@@ -105,6 +108,7 @@ impl Way {
         for (y, row) in to.chunks_exact_mut(WIDTH).enumerate() {
             row.fill(0.0);
             let moved = |s: f32| self.shift.map(|v| sign * s * v);
+            let add = if self.bounded { add_bounded } else { add };
             add(from, y, moved(1.0), 1.0, row);
             for piece in 0..self.pieces {
                 let s = (piece as f32 + 0.5) / self.pieces as f32;
@@ -152,6 +156,25 @@ fn add(plane: &Plane, y: usize, [away_x, away_y]: [f32; 2], weight: f32, row: &m
     moved[WIDTH] = moved[0];
     for (x, value) in row.iter_mut().enumerate() {
         *value += moved[x] + (moved[x + 1] - moved[x]) * fx;
+    }
+}
+
+/// As [`add`] for a plane beside which there is nothing.
+fn add_bounded(plane: &Plane, y: usize, [away_x, away_y]: [f32; 2], weight: f32, row: &mut [f32]) {
+    let (x0, y0) = (away_x.floor(), (y as f32 + away_y).floor());
+    let (fx, fy) = (away_x - x0, y as f32 + away_y - y0);
+    for (line, line_weight) in [(y0 as i32, weight * (1.0 - fy)), (y0 as i32 + 1, weight * fy)] {
+        let Some(line) = usize::try_from(line).ok().filter(|line| *line < WIDTH) else { continue };
+        let values = &plane[line * WIDTH..][..WIDTH];
+        for (first, weight) in [(x0 as i32, line_weight * (1.0 - fx)), (x0 as i32 + 1, line_weight * fx)] {
+            // Both rows where they overlap.
+            let begin = (-first).clamp(0, WIDTH as i32) as usize;
+            let end = (WIDTH as i32 - first).clamp(begin as i32, WIDTH as i32) as usize;
+            let from = (begin as i32 + first).clamp(0, WIDTH as i32) as usize;
+            for (sum, value) in row[begin..end].iter_mut().zip(&values[from..]) {
+                *sum += weight * value;
+            }
+        }
     }
 }
 
@@ -254,6 +277,7 @@ mod tests {
                 voxel_height_m: 1_000.0 / 32.0,
                 extinction_per_m: 0.004,
                 inverse_edge: 1.0,
+                bounded: false,
             };
             shares(&node, &shape, |i, found| {
                 let above = (HEIGHT - 1 - i / AREA) as f32 * 0.125 / direction[2];

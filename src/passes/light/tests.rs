@@ -20,6 +20,7 @@ fn column(depth: f32, direction: [f32; 3], encoding: Encoding) -> Vec<Vec4> {
         voxel_height_m: 25.0,
         extinction_per_m: depth / (25.0 * HEIGHT as f32),
         inverse_edge: 1.0,
+        bounded: false,
     };
     let mut column = Vec::new();
     shares(&node, &vec![255u8; density::WIDTH * density::WIDTH * HEIGHT], |i, found| {
@@ -184,6 +185,7 @@ fn cumulus(corners: [Corner; 3], encoding: Encoding) -> Light {
         voxel_height_m: 40.0,
         extinction_per_m: look.extinction_per_m,
         inverse_edge: 1.0 / look.edge,
+        bounded: false,
         encoding,
     }
 }

@@ -67,6 +67,7 @@ mod tests {
                 extinction_per_m: look.extinction_per_m,
                 edge: look.edge,
                 pieces: 1,
+                bounded: false,
             };
             let table = build(&columns, &DensityVolume::of(kind).shape);
             for (entry, found) in curve(kind, &columns).iter().enumerate() {

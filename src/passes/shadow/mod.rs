@@ -68,6 +68,8 @@ pub struct Columns {
     pub edge: f32,
     /// Samples of the path for each voxel of its height.
     pub pieces: u32,
+    /// Whether nothing lies beside the tile; else it repeats.
+    pub bounded: bool,
 }
 
 impl Columns {
@@ -88,6 +90,7 @@ impl Columns {
             extinction_per_m: light.extinction_per_m,
             edge: 1.0 / light.inverse_edge,
             pieces: (shift.ceil() as u32).clamp(1, 8),
+            bounded: light.bounded,
         }
     }
 

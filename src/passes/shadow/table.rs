@@ -68,7 +68,7 @@ fn row(columns: &Columns, shape: &[u8], thetas: &[f32; THETAS], y: usize) -> Vec
         let share = columns.begin + span * (k as f32 + 0.5) / samples as f32;
         // Voxels from the texel's own column, along the light.
         let out = (share - columns.middle()) * columns.thickness_m / (up * TEXEL_M);
-        values_along(shape, y, [dx * out, dy * out], share * HEIGHT as f32 - 0.5, &mut values);
+        values_along(shape, columns.bounded, y, [dx * out, dy * out], share * HEIGHT as f32 - 0.5, &mut values);
         for (theta, sums) in thetas.iter().zip(depths.chunks_exact_mut(WIDTH)) {
             for (sum, value) in sums.iter_mut().zip(&values) {
                 *sum += (value - theta).max(0.0).min(columns.edge);
@@ -81,8 +81,8 @@ fn row(columns: &Columns, shape: &[u8], thetas: &[f32; THETAS], y: usize) -> Vec
 }
 
 /// Shape values, 0 to 1, over a whole row, each at the same distance (voxels) from its own column and at height `z` (voxels,
-/// centres at integers): trilinear, repeating in x and y, clamped in z.
-fn values_along(shape: &[u8], y: usize, away: [f32; 2], z: f32, values: &mut [f32; WIDTH]) {
+/// centres at integers): trilinear, repeating in x and y unless nothing lies beside the tile, clamped in z.
+fn values_along(shape: &[u8], bounded: bool, y: usize, away: [f32; 2], z: f32, values: &mut [f32; WIDTH]) {
     let wrapped = |v: i32| v.rem_euclid(WIDTH as i32) as usize;
     let clamped = |v: i32| v.clamp(0, HEIGHT as i32 - 1) as usize;
     let split = |v: f32| (v.floor() as i32, v - v.floor());
@@ -91,13 +91,20 @@ fn values_along(shape: &[u8], y: usize, away: [f32; 2], z: f32, values: &mut [f3
     let lines = [line(0, 0), line(1, 0), line(0, 1), line(1, 1)];
     let weights = [(1.0 - fy) * (1.0 - fz), fy * (1.0 - fz), (1.0 - fy) * fz, fy * fz].map(|w| w / 255.0);
     let mut blended = [0.0f32; WIDTH];
-    for (line, weight) in lines.into_iter().zip(weights) {
+    let beside = |v: i32| bounded && !(0..WIDTH as i32).contains(&v);
+    for (k, (line, weight)) in lines.into_iter().zip(weights).enumerate() {
+        if beside(y0 + (k as i32 & 1)) {
+            continue;
+        }
         for (sum, value) in blended.iter_mut().zip(line) {
             *sum += weight * f32::from(*value);
         }
     }
     for (x, value) in values.iter_mut().enumerate() {
-        let at = |dx: i32| blended[wrapped(x as i32 + x0 + dx)];
+        let at = |dx: i32| {
+            let x = x as i32 + x0 + dx;
+            if beside(x) { 0.0 } else { blended[wrapped(x)] }
+        };
         *value = at(0) + (at(1) - at(0)) * fx;
     }
 }

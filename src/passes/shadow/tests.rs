@@ -31,6 +31,7 @@ fn columns(kind: CloudKind, light: Vec3) -> Columns {
         extinction_per_m: look.extinction_per_m,
         edge: look.edge,
         pieces: 2,
+        bounded: false,
     }
 }
 

@@ -1,5 +1,6 @@
 //! Light on its way down through the layers of one weather: what is above each of them, at the eye, and at the ground.
 
+use crate::clouds::{CloudKind, cell};
 use crate::passes::light::ASYMMETRY;
 use crate::world::snapshot::LayerState;
 use glam::Vec3;
@@ -89,6 +90,26 @@ impl Column {
         }
         Self { top, above, below_lux, eye, ground }
     }
+
+    /// The light under layers that stand among those around them: indices count the former alone.
+    pub fn standing_in(own: &[LayerState], around: &[LayerState], clear: &ClearSky, eye_m: f64) -> Self {
+        let mut all: Vec<(bool, LayerState)> = around.iter().map(|layer| (false, *layer)).collect();
+        all.extend(own.iter().map(|layer| (true, *layer)));
+        // Those that are lit first stand last.
+        all.sort_by(|(_, a), (_, b)| (a.base_m + a.thickness_m).total_cmp(&(b.base_m + b.thickness_m)));
+        let layers: Vec<LayerState> = all.iter().map(|(_, layer)| *layer).collect();
+        let mut column = Self::new(&layers, clear, eye_m);
+        let mut is_own = all.iter().map(|(own, _)| *own);
+        column.above.retain(|_| is_own.next().unwrap_or(false));
+        let mut is_own = all.iter().map(|(own, _)| *own);
+        column.below_lux.retain(|_| is_own.next().unwrap_or(false));
+        column
+    }
+}
+
+/// Share of the sky that a layer hides: of a storm cell, whose coverage is how far it has grown, that of its square.
+fn cover(layer: &LayerState) -> f32 {
+    if layer.kind == CloudKind::StormCell { cell::cover(layer.coverage as f32) } else { layer.coverage as f32 }
 }
 
 /// Share of a layer's optical depth that is left where there is cloud: cells are neither boxes nor whole throughout. From
@@ -99,7 +120,7 @@ fn filled(cover: f32) -> f32 {
 
 /// Light that leaves a layer upwards: what comes up through it, and what it sends back of the light from above.
 fn sent_up(layer: &LayerState, above: Level, below_lux: Vec3, mu: f32) -> Vec3 {
-    let cover = layer.coverage as f32;
+    let cover = cover(layer);
     let (from_source, from_sky) = diffuse_shares(layer, mu);
     below_lux * (1.0 - cover + cover * from_sky)
         + (above.direct_lux * (mu * (1.0 - from_source)) + above.diffuse_lux * (1.0 - from_sky)) * cover
@@ -115,12 +136,12 @@ fn diffuse_shares(layer: &LayerState, mu: f32) -> (f32, f32) {
 /// Optical depth of a layer where it has cloud.
 fn depth(layer: &LayerState) -> f32 {
     let whole = layer.kind.appearance().extinction_per_m * (layer.density * layer.thickness_m) as f32;
-    filled(layer.coverage as f32) * whole
+    filled(cover(layer)) * whole
 }
 
 /// Light below a layer: what its gaps let through and what it transmits diffusely (Eddington, see `passes::light`).
 fn pass(layer: &LayerState, above: Level, mu: f32) -> Level {
-    let cover = layer.coverage as f32;
+    let cover = cover(layer);
     let (depth, (from_source, from_sky)) = (depth(layer), diffuse_shares(layer, mu));
     Level {
         direct_lux: above.direct_lux * (1.0 - cover * (1.0 - (-depth / mu).exp())),
@@ -146,7 +167,7 @@ mod tests {
     use super::*;
     use crate::clouds::coverage::Coverage;
     use crate::clouds::density::{DensityVolume, HEIGHT, WIDTH};
-    use crate::clouds::{CloudKind, modulation};
+    use crate::clouds::modulation;
 
     #[test]
     fn the_filled_share_is_that_of_the_volumes() {

@@ -17,6 +17,9 @@ const FACING_METERED: f32 = 0.6;
 /// The same of the glow around a source that stands on the horizon, where a pilot looks: towards a low sun sky and haze are as
 /// bright as sunlit cloud at noon, and evenings were white. Falls with the fourth power of what the height leaves.
 const GLOW_METERED: f32 = 2.0;
+/// Share of what the sky sends from the source's side beyond an even sky's light that counts once the source has set: by the level
+/// ground alone the bright side of a twilight was white.
+const TWILIGHT_METERED: f32 = 0.5;
 /// Share of a flash's light that the exposure answers to: a whole answer would turn the night black around it, none
 /// would leave a white picture without shape.
 const FLASH_METERED: f32 = 0.3;
@@ -32,14 +35,15 @@ const NEAR_FACE_M: f32 = 400.0;
 /// Beyond this distance storms count less and less, m: they fill less and less of the picture.
 const STORMS_COUNT_M: f32 = 60_000.0;
 
-/// The exposure value at ISO 100, given the light at the eye and the cosine of its source against the zenith.
-pub fn ev100(asked: Exposure, at_eye: &Level, mu: f32, snapshot: &Snapshot, eye: &Eye) -> f32 {
+/// The exposure value at ISO 100, given the light at the eye, the cosine of its source against the zenith, and how much more light
+/// than that of an even sky comes from the source's side.
+pub fn ev100(asked: Exposure, at_eye: &Level, mu: f32, bright_side_lux: f32, snapshot: &Snapshot, eye: &Eye) -> f32 {
     match asked {
         Exposure::Ev100(ev) => ev as f32,
         Exposure::Automatic => {
             let facing =
                 FACING_METERED + (1.0 - FACING_METERED) * mu + GLOW_METERED * (1.0 - mu.clamp(0.0, 1.0)).powi(4);
-            let steady_lux = at_eye.direct_lux.y * facing + at_eye.diffuse_lux.y;
+            let steady_lux = at_eye.direct_lux.y * facing + at_eye.diffuse_lux.y + TWILIGHT_METERED * bright_side_lux;
             automatic_ev(steady_lux + flash_lux(snapshot, eye))
         }
     }
@@ -63,6 +67,9 @@ fn flash_lux(snapshot: &Snapshot, eye: &Eye) -> f32 {
     };
     snapshot.flashes.iter().filter(|f| f.intensity_cd > 0.0).map(at).sum()
 }
+
+/// Exposure for 1e5 lux, of which it is the power -0.8.
+pub const FULL_LUX_EXPOSURE: f32 = 1.0 / (1.2 * 19_483.9);
 
 /// Exposure value for an illuminance: by day such that a cloud in full sun (an albedo of 0.8) is near white, lagging behind at
 /// night as eyes do.

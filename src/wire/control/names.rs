@@ -31,7 +31,7 @@ macro_rules! mirrored {
 }
 
 mirrored! {
-    /// Cloud genus.
+    /// Cloud genus, or a single storm cell.
     CloudType = CloudKind {
         /// Featureless grey sheet.
         Stratus,
@@ -53,6 +53,8 @@ mirrored! {
         Cirrocumulus,
         /// Halo veil.
         Cirrostratus,
+        /// One cumulonimbus that fills its region, its anvil downwind; coverage is how far it has grown. In regions only.
+        StormCell,
     }
 }
 

@@ -57,6 +57,12 @@ pub struct ViewFields {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = limits::ROLL_DEG.min, max = limits::ROLL_DEG.max))]
     pub roll_deg: Option<f64>,
+    /// Whether the own ship's landing lights shine, seen in cloud and haze.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub landing_light: Option<bool>,
+    /// Whether its strobes flash, seen in cloud and haze.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub strobe: Option<bool>,
     /// Exposure value at ISO 100, or `"automatic"`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub exposure_ev100: Option<ExposureJson>,
@@ -104,6 +110,8 @@ impl From<&ViewEdit> for ViewMessage {
             yaw_deg: edit.yaw_deg,
             pitch_deg: edit.pitch_deg,
             roll_deg: edit.roll_deg,
+            landing_light: edit.landing_light,
+            strobe: edit.strobe,
             exposure_ev100: edit.exposure.map(Into::into),
         };
         match edit.action {
@@ -124,6 +132,8 @@ impl ViewFields {
             yaw_deg: self.yaw_deg,
             pitch_deg: self.pitch_deg,
             roll_deg: self.roll_deg,
+            landing_light: self.landing_light,
+            strobe: self.strobe,
             exposure: self.exposure_ev100.map(Into::into),
             // Said by CIGI hosts alone.
             frustum: None,

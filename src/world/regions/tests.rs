@@ -172,3 +172,24 @@ fn nonsense_is_refused_and_changes_nothing() {
     assert!(edit(&mut regions, &shape("more"), &eases(0.0), &around, 2.0).is_err());
     edit(&mut regions, &shape("more"), &eases(0.0), &around, 6.0).unwrap();
 }
+
+#[test]
+fn a_storm_cell_needs_a_region_however_it_is_asked_for() {
+    use crate::world::World;
+    use crate::world::command::Command;
+    let cell = LayerSpec { kind: CloudKind::StormCell, ..layer(1.0) };
+    let mut world = World::new();
+    let listed = WeatherEdit { layers: Some(vec![layer(0.5), cell]), ..Default::default() };
+    let refused = world.apply(Command::Weather(listed.clone())).expect_err("over the globe");
+    assert_eq!(refused.field, "layers[1].cloud_type");
+    let sheet = WeatherEdit { layers: Some(vec![layer(0.5)]), ..Default::default() };
+    world.apply(Command::Weather(sheet)).expect("a layer");
+    let change = LayerChange { index: 0, kind: Some(CloudKind::StormCell), ..Default::default() };
+    let changed = WeatherEdit { changes: vec![change], ..Default::default() };
+    let refused = world.apply(Command::Weather(changed)).expect_err("by a change");
+    assert_eq!(refused.field, "changes[0].cloud_type");
+    let region = WeatherEdit { region: Some(shape("a")), layers: Some(vec![cell]), ..Default::default() };
+    world.apply(Command::Weather(region)).expect("in a region");
+    let seen = world.snapshot(0.01);
+    assert!(seen.regions[0].stands_in() && seen.weather.layers[0].kind == CloudKind::Cumulus);
+}

@@ -164,6 +164,8 @@ fn view_fields() {
         ("yaw_deg", with(&|v| v.yaw_deg = Some(1.0))),
         ("pitch_deg", with(&|v| v.pitch_deg = Some(1.0))),
         ("roll_deg", with(&|v| v.roll_deg = Some(1.0))),
+        ("landing_light", with(&|v| v.landing_light = Some(true))),
+        ("strobe", with(&|v| v.strobe = Some(true))),
         ("exposure", with(&|v| v.exposure = Some(Exposure::Ev100(12.0)))),
         ("removed", Command::RemoveView { name: "main".into() }),
     ];

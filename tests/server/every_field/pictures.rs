@@ -91,7 +91,7 @@ fn base(kind: &str) -> Value {
             "rotation_deg": 20, "transition_m": 500}}),
         "view" => json!({"type": "view", "action": "create", "name": "second", "size_px": [32, 18],
             "field_of_view_deg": 60, "offset_m": [0, 0, 0], "yaw_deg": 0, "pitch_deg": 0, "roll_deg": 0,
-            "exposure_ev100": "automatic"}),
+            "landing_light": false, "strobe": false, "exposure_ev100": "automatic"}),
         "strike" => json!({"type": "strike", "latitude_deg": 47.05, "longitude_deg": 8.0, "altitude_m": 2000,
             "at_s": 5.0, "flash_type": "cloud_to_ground", "polarity": "negative", "peak_current_ka": 30,
             "strokes": "sample", "seed": 1}),
@@ -266,6 +266,25 @@ fn views() -> Vec<Case> {
             let again = |message: Value| with(&message, "/action", json!("change"));
             found.push(case(change, &made, again(base("view")), again(changed), 1.0));
         }
+    }
+    // Lights are seen in fog by night; at this time a strobe flashes.
+    let night = json!({"type": "time", "utc": "2026-01-18T00:00:00Z"});
+    let fog = json!({"type": "weather", "visibility_m": 200});
+    for (create, change, at) in [
+        ("view.create.landing_light", "view.change.landing_light", "/landing_light"),
+        ("view.create.strobe", "view.change.strobe", "/strobe"),
+    ] {
+        let dark = [
+            json!({"type": "ownship", "latitude_deg": 47.0, "longitude_deg": 8.0, "altitude_m": 200,
+            "yaw_deg": 0, "pitch_deg": 0, "roll_deg": 0}),
+            night.clone(),
+            fog.clone(),
+        ];
+        let changed = with(&base("view"), at, json!(true));
+        found.push(case(create, &dark, base("view"), changed.clone(), 1.25));
+        let again = |message: Value| with(&message, "/action", json!("change"));
+        let made = [&dark[..], &[base("view")]].concat();
+        found.push(case(change, &made, again(base("view")), again(changed), 1.25));
     }
     let wide = |name| json!({"type": "view", "action": "change", "name": name, "field_of_view_deg": 90});
     let remove = |name| json!({"type": "view", "action": "remove", "name": name});

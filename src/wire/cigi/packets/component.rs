@@ -33,15 +33,15 @@ packets! {
     /// ```
     ComponentControl "Component Control" HostToIg, fixed(4, 32), fixed(0x0003, 40), {
         /// Component id: IG-defined; class 6: high byte = layer id.
-        component_id: u16, at(2), at(4), used("19539 (0x4c53) is a lightning strike; others have no meaning here");
+        component_id: u16, at(2), at(4), used("19539 (0x4c53) is a lightning strike, 20300 (0x4f4c) the own ship's lights of a view; others have no meaning here");
         /// Instance id: entity/view/region/layer/event id by class.
-        instance_id: u16, at(4), at(8), used("number of the strike, returned in Event Notification; the event's id in class 12");
+        instance_id: u16, at(4), at(8), used("number of the strike, returned in Event Notification; the event's id in class 12, the view's in class 1");
         /// Component class: 0 Entity, 1 View, 2 View Group, 3 Sensor, 4 Regional Sea Surface, 5 Regional Terrain
         /// Surface, 6 Regional Layered Weather, 7 Global Sea Surface, 8 Global Terrain Surface, 9 Global Layered
         /// Weather, 10 Atmosphere, 11 Celestial Sphere, 12 Event, 13 System, 14 Symbol Surface, 15 Symbol.
-        component_class: u8, bits(6, 0, 6), bits(6, 0, 6), used("13 System: strike; 12 Event: enables an event; others have no meaning here");
+        component_class: u8, bits(6, 0, 6), bits(6, 0, 6), used("13 System: strike; 12 Event: enables an event; 1 View: lights; others have no meaning here");
         /// Component state: 0..255.
-        component_state: u8, at(7), at(7), used("1: strike, or event enabled; 0: event disabled");
+        component_state: u8, at(7), at(7), used("1: strike, or event enabled; 0: event disabled; of lights bit 0 the landing lights, bit 1 the strobes");
         /// Data 1: byte-swapped as one 32-bit word whatever it holds.
         data_1: u32, at(8), at(16), used("strike: latitude, f64, high word");
         /// Data 2: as sent by the host.
@@ -77,13 +77,13 @@ packets! {
     /// ```
     ShortComponentControl "Short Component Control" HostToIg, fixed(5, 16), fixed(0x0004, 24), {
         /// Component id: IG-defined.
-        component_id: u16, at(2), at(4), used("19539 (0x4c53) is a lightning strike; others have no meaning here");
+        component_id: u16, at(2), at(4), used("19539 (0x4c53) is a lightning strike, 20300 (0x4f4c) the own ship's lights of a view; others have no meaning here");
         /// Instance id: as Component Control.
-        instance_id: u16, at(4), at(8), used("number of the strike, returned in Event Notification; the event's id in class 12");
+        instance_id: u16, at(4), at(8), used("number of the strike, returned in Event Notification; the event's id in class 12, the view's in class 1");
         /// Component class: as Component Control.
-        component_class: u8, bits(6, 0, 6), bits(6, 0, 6), used("13 System: strike; 12 Event: enables an event; others have no meaning here");
+        component_class: u8, bits(6, 0, 6), bits(6, 0, 6), used("13 System: strike; 12 Event: enables an event; 1 View: lights; others have no meaning here");
         /// Component state: 0..255.
-        component_state: u8, at(7), at(7), used("1: strike, or event enabled; 0: event disabled");
+        component_state: u8, at(7), at(7), used("1: strike, or event enabled; 0: event disabled; of lights bit 0 the landing lights, bit 1 the strobes");
         /// Data 1: byte-swapped as one 32-bit word whatever it holds.
         data_1: u32, at(8), at(16), used("strike: global layer in whose extent it falls; 0: the first with cloud");
         /// Data 2: as sent by the host.

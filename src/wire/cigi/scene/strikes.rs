@@ -1,4 +1,5 @@
-//! Strikes that a host asks for, by a component or by a packet of our own; and which events it wants to hear of.
+//! Strikes that a host asks for, by a component or by a packet of our own; which events it wants to hear of; and the component
+//! that is the own ship's lights.
 
 use super::{Moment, Scene};
 use crate::numeric::hash::{pcg3d, unit};
@@ -13,6 +14,10 @@ pub const EVENT_STRIKE_SHOWN: u16 = STRIKE_COMPONENT;
 /// Event: a strike was over before a picture could show it.
 pub const EVENT_STRIKE_MISSED: u16 = STRIKE_COMPONENT + 1;
 
+/// Component of class View (1) that is the own ship's lights: "OL".
+pub const LIGHTS_COMPONENT: u16 = 0x4f4c;
+
+const CLASS_VIEW: u8 = 1;
 const CLASS_EVENT: u8 = 12;
 const CLASS_SYSTEM: u8 = 13;
 /// Usual interval between strokes, and median current of later strokes against that of the first (CIGRE TB 549: about 60 ms;
@@ -68,6 +73,9 @@ impl Scene {
     fn component(&mut self, packet: &ComponentControl, moment: &Moment) -> Result<Option<Asked>, Refused> {
         let on = packet.component_state != 0;
         self.event(packet.component_class, packet.instance_id, on);
+        if is_lights(packet.component_class, packet.component_id) {
+            return self.views.lights(packet.instance_id, packet.component_state).map(|()| None);
+        }
         if !is_strike(packet.component_class, packet.component_id) || !on {
             return Ok(None);
         }
@@ -88,6 +96,9 @@ impl Scene {
     fn short_component(&mut self, packet: &ShortComponentControl, moment: &Moment) -> Result<Option<Asked>, Refused> {
         let on = packet.component_state != 0;
         self.event(packet.component_class, packet.instance_id, on);
+        if is_lights(packet.component_class, packet.component_id) {
+            return self.views.lights(packet.instance_id, packet.component_state).map(|()| None);
+        }
         if !is_strike(packet.component_class, packet.component_id) || !on {
             return Ok(None);
         }
@@ -148,6 +159,10 @@ impl Scene {
         };
         Ok((packet.strike_id, Some(request)))
     }
+}
+
+fn is_lights(component_class: u8, component_id: u16) -> bool {
+    component_class == CLASS_VIEW && component_id == LIGHTS_COMPONENT
 }
 
 fn is_strike(component_class: u8, component_id: u16) -> bool {

@@ -35,6 +35,8 @@ struct View {
     /// Left, right, top, bottom, where they were given.
     sides_deg: Option<[Option<f64>; 4]>,
     mirror: [bool; 2],
+    /// Landing lights and strobes of the own ship.
+    lights: [bool; 2],
 }
 
 impl Views {
@@ -103,6 +105,15 @@ impl Views {
         Ok(())
     }
 
+    /// Component Control of a view's lights: bit 0 the landing lights, bit 1 the strobes.
+    ///
+    /// # Errors
+    /// As [`Self::control`].
+    pub fn lights(&mut self, id: u16, state: u8) -> Result<(), Refused> {
+        self.view(id)?.lights = [state & 1 != 0, state & 2 != 0];
+        Ok(())
+    }
+
     /// The entities that carry views.
     pub fn carriers(&self) -> BTreeSet<u16> {
         self.known.values().map(|view| view.entity).collect()
@@ -137,6 +148,8 @@ impl Views {
                 roll_deg,
                 frustum,
                 mirror: Some(view.mirror),
+                landing_light: Some(view.lights[0]),
+                strobe: Some(view.lights[1]),
                 entity: Some(view.entity),
                 ..ViewEdit::default()
             }));

@@ -3,6 +3,7 @@
 use super::entities::OWNSHIP;
 use super::storm::{Storm, near as near_storm};
 use super::{Entities, half_turn};
+use crate::clouds::CloudKind;
 use crate::outputs::air::{Air, AirMass};
 use crate::units::deg;
 use crate::wire::cigi::Version;
@@ -160,8 +161,11 @@ impl Weather {
         }
         let mut wanted = BTreeMap::new();
         for (place, shape, merges) in self.places(entities) {
-            let around: &[LayerSpec] = if merges { &global } else { &[] };
-            let specs = clouds::specs(&self.clouds_of(place), around);
+            let own = self.clouds_of(place);
+            // Storm cells alone stand in the weather around as they are.
+            let cells = !own.is_empty() && own.iter().all(|parts| parts.layer.kind == CloudKind::StormCell);
+            let around: &[LayerSpec] = if merges && !cells { &global } else { &[] };
+            let specs = clouds::specs(&own, around);
             wanted.insert(shape.name.clone(), (shape, specs));
         }
         for name in self.heard_regions.keys().filter(|name| !wanted.contains_key(*name)) {
@@ -320,7 +324,10 @@ impl Weather {
     /// Clouds of a place, ready for the world.
     fn clouds_of(&self, place: Place) -> Vec<clouds::Parts> {
         let sea_level_m = self.sea_level_m;
-        self.said_of(place).filter_map(|said| clouds::parts(&said.packet, said.version, sea_level_m)).collect()
+        let parts = |said: &Said| clouds::parts(&said.packet, said.version, sea_level_m);
+        let parts = self.said_of(place).filter_map(parts);
+        // What has an outline is one cloud; over the globe it is a genus.
+        parts.map(|parts| if place == Place::Global { parts } else { parts.bounded() }).collect()
     }
 }
 

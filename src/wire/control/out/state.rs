@@ -126,6 +126,12 @@ pub struct ViewOut {
     pub pitch_deg: f64,
     /// Roll against the body.
     pub roll_deg: f64,
+    /// Whether the own ship's landing lights shine.
+    #[serde(default)]
+    pub landing_light: bool,
+    /// Whether its strobes flash.
+    #[serde(default)]
+    pub strobe: bool,
     /// Exposure value at ISO 100, or `"automatic"`.
     pub exposure_ev100: ExposureJson,
 }

@@ -110,6 +110,8 @@ fn every_part_of_a_snapshot_is_in_the_state_message() {
         ("view field of view", |s| s.views[0].field_of_view_deg += 1.0),
         ("view offset", |s| s.views[0].offset_m[2] += 1.0),
         ("view attitude", |s| s.views[0].attitude = Attitude { yaw_rad: 0.2, ..s.views[0].attitude }),
+        ("view landing light", |s| s.views[0].lights.landing = true),
+        ("view strobe", |s| s.views[0].lights.strobe = true),
         ("view exposure", |s| s.views[0].exposure = Exposure::Ev100(11.0)),
         ("storm", |s| s.storms[0].seed += 1),
         ("storms", |s| s.storms.clear()),

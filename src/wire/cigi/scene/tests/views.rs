@@ -100,3 +100,26 @@ fn the_celestial_sphere_sets_time_and_lights_and_repeats_are_no_news() {
     }
     assert_eq!(host.refused.len(), 4);
 }
+
+#[test]
+fn a_component_of_a_view_switches_the_own_ships_lights() {
+    let mut host = Host::new();
+    let lights = |state: u8| ComponentControl {
+        component_class: 1,
+        component_id: 0x4f4c,
+        component_state: state,
+        ..Default::default()
+    };
+    for (state, expected) in [(3, [true, true]), (1, [true, false]), (2, [false, true]), (0, [false, false])] {
+        host.says([lights(state).into()]);
+        let own = host.sees().views[0].lights;
+        assert_eq!([own.landing, own.strobe], expected, "{state}");
+    }
+    let short =
+        ShortComponentControl { component_class: 1, component_id: 0x4f4c, component_state: 1, ..Default::default() };
+    host.says([short.into()]);
+    assert!(host.sees().views[0].lights.landing);
+    // A component of another class is something else.
+    host.says([ComponentControl { component_class: 13, ..lights(0) }.into()]);
+    assert!(host.sees().views[0].lights.landing);
+}

@@ -30,6 +30,30 @@ fn all_ten_genera_and_the_rest() {
 }
 
 #[test]
+fn cumulonimbus_with_an_outline_is_a_storm_cell_that_stands_in_the_weather_around() {
+    let mut host = Host::new();
+    let region = EnvironmentalRegionControl {
+        region_id: 4,
+        region_state: 1,
+        size_x: 40_000.0,
+        size_y: 40_000.0,
+        merge_weather_properties: true,
+        ..Default::default()
+    };
+    let cell =
+        WeatherControl { scope: 1, entity_region_id: 4, bottom_transition_band: 300.0, ..cloud(1, 6, 900.0, 11_000.0) };
+    host.says([cloud(1, 7, 1_200.0, 800.0).into(), region.into(), cell.into()]);
+    let seen = host.sees();
+    let kinds = |weather: &crate::world::snapshot::WeatherState| -> Vec<CloudKind> {
+        weather.layers.iter().map(|layer| layer.kind).collect()
+    };
+    assert_eq!(kinds(&seen.weather), [CloudKind::Cumulus]);
+    // No band of it, and no copy of the layers around.
+    assert_eq!(kinds(&seen.regions[0].weather), [CloudKind::StormCell]);
+    assert!(seen.regions[0].stands_in());
+}
+
+#[test]
 fn a_layer_says_cover_heights_wind_and_visibility() {
     let mut host = Host::with(Convention { sea_level_m: 40.0, ..CONVENTION }, Version::V4);
     let layer = WeatherControl {

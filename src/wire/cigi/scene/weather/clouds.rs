@@ -27,6 +27,19 @@ pub struct Parts {
     pub above: Option<LayerSpec>,
 }
 
+impl Parts {
+    /// The same inside an outline, where cumulonimbus is one storm cell, which needs no bands.
+    #[must_use]
+    pub fn bounded(self) -> Self {
+        if self.layer.kind != CloudKind::Cumulonimbus {
+            return self;
+        }
+        let scud = |part: Option<LayerSpec>| part.filter(|part| part.kind == CloudKind::Stratus);
+        let layer = LayerSpec { kind: CloudKind::StormCell, ..self.layer };
+        Self { layer, below: scud(self.below), above: scud(self.above) }
+    }
+}
+
 /// Whether a layer of this number is drawn as cloud: ground fog, the three cloud layers, and 11 to 15, which are ours.
 pub fn is_cloud(packet: &WeatherControl) -> bool {
     matches!(packet.layer_id, 0..=3 | 11..=15)

@@ -93,6 +93,8 @@ impl From<&ViewState> for ViewOut {
             yaw_deg,
             pitch_deg,
             roll_deg,
+            landing_light: view.lights.landing,
+            strobe: view.lights.strobe,
             exposure_ev100: view.exposure.into(),
         }
     }
