@@ -4,8 +4,8 @@
 //! volume's x runs downwind, its tower stands upwind of the middle, and near the square's sides there is nothing, so that neighbours
 //! of the tile never show. The threshold theta says how far it has grown: first the tower's core, at last the whole anvil.
 //! *How we compute it.* Distances inside a tower that bends and bulges, under a dome that overshoots, and inside a lens that
-//! spreads downwind and thins out to its rim (Cotton, Bryan and van den Heever 2011, "Storm and Cloud Dynamics", chapter 8, for
-//! the proportions); billows of 3 km and less on the tower, fibres along the wind on the anvil.
+//! spreads downwind and thins out to its rim, proportions by eye; billows of 3 km and less on the tower, fibres along the wind on the
+//! anvil.
 
 use super::CloudKind;
 use super::coverage::{Threshold, column_thetas};
