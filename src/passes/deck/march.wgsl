@@ -152,8 +152,8 @@ fn deck_march(
         if near < 0.0 && far > 0.0 && went_far(at, end) {
             // A long step that ends inside the cloud went too far: its edge is looked for.
             beyond *= RETREAT;
-        } else if near < 0.0 && far > 0.0 && edge == 0.0 {
-            // A step that enters a cloud ends at its edge first, or stripes would show where the looks stood.
+        } else if near < 0.0 && far > 0.0 && edge == 0.0 && end - at > EDGE_STEP_M {
+            // A long step that enters a cloud ends at its edge first, or stripes would show where the looks stood.
             edge = at + (end - at) * (near / (near - far));
         } else {
             // Where it lies a little further than expected, once is enough.

@@ -174,11 +174,11 @@ impl Ray<'_> {
             let far = found.margin;
             // A long step that ends inside the cloud went too far: its edge is looked for.
             if near < 0.0 && far > 0.0 && steps.is_long(at, end) {
-                beyond *= 0.4;
+                beyond *= RETREAT;
                 continue;
             }
-            // A step that enters a cloud ends at its edge first, or stripes would show where the looks stood.
-            if near < 0.0 && far > 0.0 && edge == 0.0 {
+            // A long step that enters a cloud ends at its edge first, or stripes would show where the looks stood.
+            if near < 0.0 && far > 0.0 && edge == 0.0 && end - at > EDGE_STEP_M {
                 edge = at + (end - at) * (near / (near - far));
                 continue;
             }
@@ -245,6 +245,10 @@ impl Ray<'_> {
 const STEP_PIXELS: f32 = 3.5;
 /// Least and greatest growth of a step with the range: very fine pictures end somewhere, coarse ones must not miss clouds.
 const STEP_GROWTH: [f32; 2] = [0.004, 0.025];
+/// What is left of a leap that ended inside the cloud.
+const RETREAT: f32 = 0.25;
+/// Steps up to this one find the edge well enough by a straight line between their ends, m.
+const EDGE_STEP_M: f32 = 90.0;
 /// Looks through one piece at most: twice as many as the finest steps to the end of sight, since some go too far.
 const MOST_LOOKS: u32 = 4_096;
 
