@@ -91,8 +91,8 @@ fn more_flashes_than_fields_are_faded_not_cut() {
 fn flashes_minutes_apart_in_one_cloud_share_a_table_and_lie_where_they_are() {
     let mut snapshot = cumulus_at(place(47.0, 8.0, 500.0));
     snapshot.quality.relight = Lighting::Hybrid;
-    snapshot.weather.layers[0].wind_speed_mps = 20.0;
-    snapshot.weather.layers[0].wind_from_deg = 250.0;
+    let layer = &mut snapshot.weather.layers[0];
+    (layer.wind_speed_mps, layer.wind_from_deg, layer.density) = (20.0, 250.0, 0.3);
     snapshot.flashes.push(struck(place(47.05, 8.02, 1_500.0)));
     let first = plan_of(&snapshot).lit.remove(0);
     assert!(first.request.patch.is_some() && first.request.method == Lighting::Hybrid);
@@ -126,9 +126,13 @@ fn flashes_minutes_apart_in_one_cloud_share_a_table_and_lie_where_they_are() {
     };
     let (a, b) = (middle(&first), middle(&solved));
     assert!((0..3).all(|k| (a[k] - b[k]).abs() < 8.0), "{a:?} {b:?}");
-    // A table that is larger than all may be is not begun.
-    snapshot.quality = Quality { relight: Lighting::Hybrid, basis_memory_mib: 1, ..snapshot.quality };
-    let plan = plan_of(&snapshot);
-    assert!(plan.lit[0].request.method == Lighting::Solve && plan.lit[0].request.patch.is_none());
-    assert!(plan.notes.iter().any(|note| note.pass == "relight" && note.why.contains("by solve")));
+    // A table that is larger than all may be is not begun, nor that of a tower.
+    let hybrid = Quality { relight: Lighting::Hybrid, ..snapshot.quality };
+    for (basis_memory_mib, density) in [(1, 0.3), (256, 5.0)] {
+        snapshot.quality = Quality { basis_memory_mib, ..hybrid };
+        snapshot.weather.layers[0].density = density;
+        let plan = plan_of(&snapshot);
+        assert!(plan.lit[0].request.method == Lighting::Solve && plan.lit[0].request.patch.is_none());
+        assert!(plan.notes.iter().any(|note| note.pass == "relight" && note.why.contains("by solve")));
+    }
 }
