@@ -30,7 +30,7 @@ const LIT_CLOUD_M: f32 = 3_000.0;
 /// The same where light is scattered many times in the cloud, which keeps it near the channel and sends all of it out: by
 /// eye, in pictures of overcast from 4 and 10 km. Deeper in a cloud than [`NEAR_FACE_M`] less in proportion: the light comes
 /// out over more of its face, which calls for the square, but breaks out of gaps brighter.
-const SCATTERED_METERED: f32 = 0.5;
+const SCATTERED_METERED: f32 = 0.15;
 const NEAR_FACE_M: f32 = 400.0;
 /// Beyond this distance storms count less and less, m: they fill less and less of the picture.
 const STORMS_COUNT_M: f32 = 60_000.0;
