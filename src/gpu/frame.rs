@@ -22,6 +22,7 @@ pub fn submit(executor: &mut GpuExecutor, ticket: u64, plan: &FramePlan) {
     let target = targets.of(gpu, plan);
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     let nothing = resident.nothing.clone();
+    resident.clouds(!plan.layers.is_empty());
     let grids = resident.grids.group(gpu, pipelines, plan.relief.as_ref());
     if plan.terrain() {
         let blank = Behind { deck: &nothing, relief: &nothing };

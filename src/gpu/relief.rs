@@ -8,6 +8,7 @@ use crate::passes::ground::lights::tile;
 use crate::passes::relief::Relief;
 use crate::passes::relief::window::{Tiles, Window, highest_m};
 use crate::plan::ReliefPlan;
+use crate::plan::executor::Unused;
 
 /// Format of the ranges, in metres.
 pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
@@ -16,6 +17,7 @@ pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
 #[derive(Default)]
 pub struct Grids {
     tiles: Tiles,
+    unused: Unused,
     kept: Option<(Window, wgpu::Buffer, f32)>,
     light_tiles: Tiles,
     lights: Option<(Window, wgpu::Buffer)>,
@@ -25,8 +27,11 @@ impl Grids {
     /// What the passes read of a plan's relief; where there is none, a single node that no shader asks for.
     pub fn group(&mut self, gpu: &Gpu, pipelines: &Pipelines, plan: Option<&ReliefPlan>) -> wgpu::BindGroup {
         let storage = wgpu::BufferUsages::STORAGE;
+        if self.unused.is_due(plan.is_some()) {
+            self.tiles = Tiles::default();
+        }
         let Some(plan) = plan else {
-            (self.kept, self.lights) = (None, None);
+            (self.kept, self.lights, self.light_tiles) = (None, None, Tiles::default());
             let [relief, node] = [size_of::<Relief>(), 4].map(|size| gpu.buffer("no relief", &vec![0; size], storage));
             let resources = [relief.as_entire_binding(), node.as_entire_binding(), node.as_entire_binding()];
             return group(gpu, &pipelines.relief_layout, &resources);

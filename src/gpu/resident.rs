@@ -11,13 +11,14 @@ use crate::clouds::density::{self, DensityVolume};
 use crate::clouds::{CloudKind, detail, modulation};
 use crate::passes::deck::field::{BOUNDS_WIDTH, empty_space};
 use crate::passes::deck::glow::{self, CityGlow, GlowWindow};
-use crate::passes::light::Light;
 use crate::passes::light::volume::Volume;
+use crate::passes::light::{Light, library};
 use crate::passes::shadow::table as columns;
 use crate::passes::shadow::{Columns, shade};
 use crate::passes::sky::table::{self, TableParams};
 use crate::passes::sky::{Stars, stars};
 use crate::plan::GlowPlan;
+use crate::plan::executor::Unused;
 use std::collections::VecDeque;
 
 /// Light volumes kept at once (2 MiB for each theta in 8 bits), or as many as one picture needs.
@@ -56,6 +57,8 @@ pub struct Resident {
     stars: Option<[wgpu::Buffer; 2]>,
     /// Fields of flashes' light.
     pub fields: Fields,
+    /// Pictures without clouds.
+    cloudless: Unused,
 }
 
 impl Resident {
@@ -93,6 +96,16 @@ impl Resident {
             glow: None,
             stars: None,
             fields: Fields::default(),
+            cloudless: Unused::default(),
+        }
+    }
+
+    /// Takes a picture that has clouds or not: what only clouds need is forgotten when there have been none for long.
+    pub fn clouds(&mut self, there: bool) {
+        if self.cloudless.is_due(there) {
+            (self.shapes, self.volumes, self.columns) = (VecDeque::new(), VecDeque::new(), VecDeque::new());
+            self.shades = Vec::new();
+            library::forget();
         }
     }
 

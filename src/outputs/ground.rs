@@ -89,7 +89,7 @@ pub fn hat_hot(terrain: &Terrain, point: &Geodetic) -> Option<HatHot> {
 }
 
 /// Range at which a ray (ECEF, unit direction) enters ground that counts, looked for up to `to_m`; `None`: it does not, or begins
-/// below it. Ground that does not count is looked through.
+/// below it. Ground that does not count is looked through, and so is a dip into it by less than [`ON_GROUND_M`].
 ///
 /// A step is as long as the ground, by its steepest slope, needs to rise to the ray; near the ground an eighth of the thinnest
 /// crest. So a crest is missed only where the ray dips into it by less than the ground rises over half of such a step.
@@ -99,7 +99,9 @@ pub fn hit_m(terrain: &Terrain, counts: Surfaces, from: DVec3, direction: DVec3,
     }
     let all = counts == Surfaces::ALL;
     if all && terrain.is_ellipsoid() {
-        return ellipsoid_hit_m(from, direction, 0.0);
+        // Into the ground, and not only along it: what stands on it is not hidden by the bulge of some millimetres between.
+        let deep_m = ellipsoid_hit_m(from, direction, -ON_GROUND_M).filter(|deep_m| *deep_m <= to_m)?;
+        return Some(ellipsoid_hit_m(from, direction, 0.0).unwrap_or(0.0).min(deep_m));
     }
     let place = |range_m: f64| from_ecef(from + direction * range_m);
     let clearance_m = |place: &Geodetic| place.altitude_m - terrain.height_m(place);
@@ -114,6 +116,8 @@ pub fn hit_m(terrain: &Terrain, counts: Surfaces, from: DVec3, direction: DVec3,
     if clear_m < -ON_GROUND_M && (all || counts.count(&here)) {
         return None;
     }
+    // The last place that was over the ground: dips of less than a hand's breadth may lie behind it.
+    let mut open_m = at_m;
     let end_m = to_m.min(at_m + FARTHEST_M);
     let shortest_m = (end_m - at_m) / MOST_STEPS;
     while at_m < end_m {
@@ -129,8 +133,8 @@ pub fn hit_m(terrain: &Terrain, counts: Surfaces, from: DVec3, direction: DVec3,
         let next_m = next_m.min(end_m);
         let next = place(next_m);
         let next_clear_m = clearance_m(&next);
-        if next_clear_m < 0.0 && (all || counts.count(&next)) {
-            let (mut above_m, mut below_m) = (at_m, next_m);
+        if next_clear_m < -ON_GROUND_M && (all || counts.count(&next)) {
+            let (mut above_m, mut below_m) = (open_m, next_m);
             for _ in 0..HALVINGS {
                 let middle_m = 0.5 * (above_m + below_m);
                 if inside(&place(middle_m)) { below_m = middle_m } else { above_m = middle_m }
@@ -141,6 +145,9 @@ pub fn hit_m(terrain: &Terrain, counts: Surfaces, from: DVec3, direction: DVec3,
             return None;
         }
         (at_m, here, clear_m) = (next_m, next, next_clear_m);
+        if clear_m >= 0.0 {
+            open_m = at_m;
+        }
     }
     None
 }
@@ -164,11 +171,22 @@ mod tests {
     use super::*;
     use crate::geo::frames::enu;
     use crate::geo::raster::{Grid, Raster};
+    use crate::geo::terrain::Heights;
     use crate::geo::wgs84::{MEAN_RADIUS_M, to_ecef};
     use std::sync::Arc;
 
     fn at(latitude_deg: f64, longitude_deg: f64, altitude_m: f64) -> Geodetic {
         Geodetic { latitude_rad: latitude_deg.to_radians(), longitude_rad: longitude_deg.to_radians(), altitude_m }
+    }
+
+    /// Ground that is level, but no ellipsoid by its name.
+    #[derive(Debug)]
+    struct Level;
+
+    impl Heights for Level {
+        fn height_m(&self, _: f64, _: f64, _: f64) -> f64 {
+            0.0
+        }
     }
 
     fn flat_hit_m(from: DVec3, direction: DVec3) -> Option<f64> {
@@ -217,6 +235,17 @@ mod tests {
             assert!(flat_hit_m(to_ecef(&point), look(1.01 * dip)).is_some());
         }
         assert_eq!(flat_hit_m(to_ecef(&at(10.0, 10.0, -5.0)), DVec3::X), None, "from below there is no answer");
+        // Two that stand on the ground, to within rounding: the bulge between hides them from 1.6 km on (s^2 / 8 R = 5 cm).
+        let flat = Terrain::of(Arc::new(Level));
+        for (north_deg, hidden) in [(1e-5, false), (0.01, false), (0.02, true), (0.9, true)] {
+            for altitude in [-1e-9, 0.0, 1e-9] {
+                let (a, b) = (to_ecef(&at(47.0, 8.0, altitude)), to_ecef(&at(47.0 + north_deg, 8.0, altitude)));
+                for terrain in [&Terrain::ELLIPSOID, &flat] {
+                    let found = hit_m(terrain, Surfaces::ALL, a, (b - a).normalize(), (b - a).length());
+                    assert_eq!(found.is_some(), hidden, "{north_deg} {altitude} {terrain:?}: {found:?}");
+                }
+            }
+        }
     }
 
     #[test]

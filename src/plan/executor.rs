@@ -38,6 +38,22 @@ pub struct Finished {
     pub provisional: bool,
 }
 
+/// Pictures in a row that do without something before it is forgotten: ten seconds at 60 a second, so that a look aside or another
+/// view does not have it made again.
+pub const PATIENCE: u32 = 600;
+
+/// Counts pictures in a row that did without something that is kept.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Unused(u32);
+
+impl Unused {
+    /// Takes a picture that needs it or not: whether it is to be forgotten now.
+    pub fn is_due(&mut self, needed: bool) -> bool {
+        self.0 = if needed { 0 } else { self.0.saturating_add(1) };
+        self.0 == PATIENCE
+    }
+}
+
 /// Plays plans. Owned by the render thread alone.
 pub trait Executor {
     /// One line for the log and the metrics: which executor on which adapter.

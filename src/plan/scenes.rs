@@ -148,7 +148,8 @@ pub fn extremes() -> Vec<(String, Snapshot)> {
     }
     // 1000 and 2000 m are the layer's base and top, between them the plane of a slice; a space station is at 400 km.
     let slice_m = 1_000.0 + 3.0 * 1_000.0 / 7.0;
-    for altitude_m in [-1_000.0, -500.0, 0.0, 1.0, 1_000.0, slice_m, 2_000.0, 30_000.0, 100_000.0, 101_000.0, 400_000.0]
+    for altitude_m in
+        [-1_000.0, -500.0, 0.0, 1.0, 2.0, 1_000.0, slice_m, 2_000.0, 30_000.0, 100_000.0, 101_000.0, 400_000.0]
     {
         for pitch_deg in [-90.0f64, 0.0] {
             let mut snapshot = cumulus_at(place(47.0, 8.0, altitude_m));
@@ -160,7 +161,7 @@ pub fn extremes() -> Vec<(String, Snapshot)> {
         let high = cumulus_at(place(47.0, 8.0, 1_500.0));
         scenes.push((format!("sun at {elevation_deg}"), sun(high, elevation_deg)));
     }
-    let changes: [(&str, Change); 28] = [
+    let changes: [(&str, Change); 34] = [
         ("a layer of 1 m", |s| s.weather.layers[0].thickness_m = 1.0),
         ("a layer of 1 cm", |s| s.weather.layers[0].thickness_m = 0.01),
         ("a layer of 20 km below sea level", |s| {
@@ -178,6 +179,26 @@ pub fn extremes() -> Vec<(String, Snapshot)> {
         ("coverage 1", |s| s.weather.layers[0].coverage = 1.0),
         ("density 1e-300", |s| s.weather.layers[0].density = 1e-300),
         ("density 100", |s| s.weather.layers[0].density = 100.0),
+        ("visibility 50 m", |s| s.weather.visibility_m = 50.0),
+        ("a region over the pole", |s| {
+            s.ownship.position = place(89.99, 120.0, 1_500.0);
+            s.regions.push(region(90.0, 0.0, 50_000.0, 5_000.0));
+        }),
+        ("a region across the 180th meridian", |s| {
+            s.ownship.position = place(47.0, 179.99, 1_500.0);
+            s.regions.push(region(47.0, -179.95, 50_000.0, 5_000.0));
+        }),
+        ("two regions over one another", |s| {
+            s.regions = vec![region(47.0, 8.0, 20_000.0, 5_000.0), region(47.05, 8.05, 20_000.0, 5_000.0)];
+        }),
+        ("mountains above the cloud base", |s| {
+            s.terrain = Terrain::procedural();
+            s.ownship.position = place(46.5, 8.0, 3_500.0);
+        }),
+        ("a great city under the eye, by night", |s| {
+            s.ownship.position = place(35.69, 139.69, 300.0);
+            *s = sun(s.clone(), -30.0);
+        }),
         ("visibility 10 m", |s| s.weather.visibility_m = 10.0),
         ("visibility 300 km", |s| s.weather.visibility_m = 300_000.0),
         ("field of view 1 degree", |s| s.views[0].field_of_view_deg = 1.0),

@@ -1,5 +1,7 @@
 //! Plans of extreme snapshots are finite; textures stand still under a moving eye; what a scene does not need is left out.
 
+mod needs;
+
 use super::eye::Eye;
 use super::scenes::{clear_day, cumulus_at, extremes, flash, layer, place, region, sun};
 use super::*;

@@ -12,7 +12,8 @@ use crate::passes::deck::field::{Textures, empty_space};
 use crate::passes::deck::glow::{self, GlowWindow};
 use crate::passes::deck::twin::{OPAQUE, Prepared};
 use crate::passes::light::Light;
-use crate::passes::light::volume::Volume;
+use crate::passes::light::library;
+use crate::passes::light::volume::{Texels, Volume};
 use crate::passes::relief::Relief;
 use crate::passes::relief::field::Grids;
 use crate::passes::relief::window::{Tiles, Window, highest_m};
@@ -23,7 +24,7 @@ use crate::passes::shadow::{Columns, shade};
 use crate::passes::sky::table::{TableParams, Texel, build};
 use crate::passes::sky::twin as sky;
 use crate::passes::{beams, ground, stroke, tonemap};
-use crate::plan::executor::{Executor, Fault, Finished};
+use crate::plan::executor::{Executor, Fault, Finished, Unused};
 use crate::plan::{FramePlan, LayerPlan, LayerShadow, Output};
 use glam::{Vec3, Vec4};
 use images::Image;
@@ -34,6 +35,9 @@ use std::time::Duration;
 
 /// Light volumes kept at once (2 MiB for each theta in 8 bits), or as many as one picture needs.
 const VOLUMES_KEPT: usize = 4;
+
+/// Bytes of a flash's field: 16,384 cells of four numbers at most.
+const FIELD_BYTES: usize = 256 * 1024;
 
 /// Plays plans on the CPU.
 #[derive(Default)]
@@ -49,6 +53,8 @@ pub struct ReferenceExecutor {
     lights: Option<(Window, Arc<Vec<u32>>)>,
     glow: Option<(GlowWindow, Arc<Vec<glow::Texel>>)>,
     fields: Store,
+    /// Pictures without clouds, and without ground that has heights, a shore or lamps.
+    unused: [Unused; 2],
     /// Whether the last picture stands in for something still being made.
     provisional: bool,
 }
@@ -57,6 +63,40 @@ impl ReferenceExecutor {
     /// An executor with nothing prepared yet.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// What is held for the pictures to come, by name, in bytes. What is nothing is left out.
+    pub fn held(&self) -> Vec<(&'static str, usize)> {
+        let volume = |volume: &Volume| match &volume.texels {
+            Texels::Bytes(texels) => size_of_val(texels.as_slice()),
+            Texels::Half(texels) => size_of_val(texels.as_slice()),
+        };
+        let table = |table: &Table| table.levels.iter().map(|level| size_of_val(level.as_slice())).sum::<usize>();
+        let nodes =
+            |kept: &Option<(Window, Arc<Vec<u32>>)>| kept.as_ref().map_or(0, |(_, n)| size_of_val(n.as_slice()));
+        let all = [
+            ("sky table", self.table.as_ref().map_or(0, |(_, table)| size_of_val(table.as_slice()))),
+            ("light in clouds", self.volumes.iter().map(|(_, light)| volume(light)).sum()),
+            ("empty space in clouds", self.bounds.iter().map(|(_, bounds)| bounds.len()).sum()),
+            ("shadows", self.shadows.iter().map(|(_, shadow)| table(shadow)).sum()),
+            ("heights and shores", nodes(&self.nodes) + self.tiles.bytes()),
+            ("lamps", nodes(&self.lights) + self.light_tiles.bytes()),
+            ("city glow", self.glow.as_ref().map_or(0, |(_, glow)| size_of_val(glow.as_slice()))),
+            ("fields of flashes", self.fields.len() * FIELD_BYTES),
+        ];
+        all.into_iter().filter(|(_, bytes)| *bytes > 0).collect()
+    }
+
+    /// Forgets what the pictures have done without for long.
+    fn forget(&mut self, plan: &FramePlan) {
+        let [clouds, relief] = &mut self.unused;
+        if clouds.is_due(!plan.layers.is_empty()) {
+            (self.volumes, self.bounds, self.shadows) = (VecDeque::new(), VecDeque::new(), VecDeque::new());
+            library::forget();
+        }
+        if relief.is_due(plan.relief.is_some()) {
+            (self.nodes, self.tiles) = (None, Tiles::default());
+        }
     }
 
     /// Draws a plan at once.
@@ -71,6 +111,7 @@ impl ReferenceExecutor {
         plan: &FramePlan,
         work: impl FnOnce(&[Texel], &[Prepared], &[Caster], Option<&Grids>) -> T,
     ) -> T {
+        self.forget(plan);
         let table = self.table(&plan.table);
         self.fields.tables().set_most((plan.basis_memory_mib as usize) << 20);
         let fields = relight::Prepared::new(&mut self.fields, &plan.lit, &plan.ahead, plan.waits);

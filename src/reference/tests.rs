@@ -1,9 +1,10 @@
 //! Pictures of extreme snapshots are finite; more coverage hides more.
 
+mod extremes;
 mod geometry;
+mod memory;
 
 use super::*;
-use crate::passes::light::volume::Texels;
 use crate::plan::plan;
 use crate::plan::scenes::{cumulus_at, extremes, layer, place};
 

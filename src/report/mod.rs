@@ -17,6 +17,7 @@ mod latency;
 mod lightning;
 mod lit_cloud;
 mod machine;
+mod memory;
 mod omission;
 mod outputs;
 mod pareto;

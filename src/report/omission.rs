@@ -18,11 +18,12 @@ use crate::world::snapshot::Snapshot;
 /// Leaving out.
 pub const SUBJECT: Subject = Subject {
     name: "omission",
-    about: "what leaving out saves: each picture as it is planned, and with what was left out put back in a form that shows nothing",
+    about: "what leaving out saves: what each scene holds in memory; each picture as it is planned, and with what was left out put back in a form that shows nothing",
     measure: cases,
 };
 
 fn cases(run: &mut Run) -> Result<(), Stopped> {
+    super::memory::cases(run)?;
     super::empty_space::cases(run)?;
     let size_px = run.pick([160, 90], [640, 360]);
     let eye = EyePoint { altitude_m: 500.0, pitch_deg: 5.0, size_px, field_of_view_deg: 60.0 };

@@ -81,6 +81,11 @@ pub struct Tiles {
 }
 
 impl Tiles {
+    /// Bytes that they take.
+    pub fn bytes(&self) -> usize {
+        self.tiles.values().map(|tile| size_of_val(tile.as_slice())).sum()
+    }
+
     /// All nodes of a window, level by level, rows from the south.
     pub fn nodes(&mut self, window: &Window) -> Vec<u32> {
         self.filled(window, tile)

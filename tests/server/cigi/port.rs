@@ -43,6 +43,53 @@ async fn junk_and_strangers_are_counted_and_disturb_nobody() {
     server.stop().await;
 }
 
+/// A port that nobody has now.
+async fn free_port() -> u16 {
+    UdpSocket::bind("127.0.0.1:0").await.unwrap().local_addr().unwrap().port()
+}
+
+#[tokio::test]
+async fn the_first_valid_datagram_of_those_allowed_makes_the_host_until_it_is_silent() {
+    let to = SocketAddr::from(([127, 0, 0, 1], free_port().await));
+    let mut first = Host::new(Version::V3, ByteOrder::Little).await;
+    let server = first
+        .server(|settings| {
+            (settings.listen, settings.host, settings.silence_s) = (to, None, 1.0);
+            settings.allow = vec!["127.0.0.1".parse().unwrap()];
+        })
+        .await;
+    // From an address that is not on the list, and no CIGI from one that is: no host yet.
+    let mut stranger = Host::new(Version::V3, ByteOrder::Little).await;
+    stranger.socket = UdpSocket::bind("127.0.0.2:0").await.unwrap();
+    stranger.server = Some(to);
+    stranger.send(1, vec![]).await;
+    first.socket.send_to(&[7; 24], to).await.unwrap();
+    while counted(&server, "strangers").await + counted(&server, "rejected").await < 2 {}
+    // The first that is right: answers go to where it came from.
+    first.server = Some(to);
+    first.send(1, ownship(Version::V3, 46.5, 900.0)).await;
+    first.until_mode(1).await;
+    // Another one that is as right meanwhile, in another version: it is not heard, and nobody answers it.
+    let mut second = Host::new(Version::V4, ByteOrder::Big).await;
+    second.server = Some(to);
+    second.send(2, ownship(Version::V4, 40.0, 900.0)).await;
+    while counted(&server, "strangers").await < 2 {}
+    first.send(1, vec![]).await;
+    first.until_mode(1).await;
+    let mut nothing = [0; 64];
+    assert!(second.socket.try_recv_from(&mut nothing).is_err());
+    let state = server.watcher().await.ask(json!({"type": "query", "what": "state"})).await;
+    assert_eq!(state["ownship"]["latitude_deg"], 46.5);
+    // The host falls silent: after a second the place is free, and the next one is heard in its own version.
+    while counted(&server, "messages").await < 3 {
+        second.send(2, ownship(Version::V4, 40.0, 900.0)).await;
+        tokio::time::sleep(std::time::Duration::from_millis(50)).await;
+    }
+    let sof = second.until_mode(2).await;
+    assert_eq!(sof.major_version, 4);
+    server.stop().await;
+}
+
 #[tokio::test]
 async fn one_host_at_a_time_by_cigi_or_websocket() {
     let mut first = Host::new(Version::V3, ByteOrder::Little).await;
