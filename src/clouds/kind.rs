@@ -187,8 +187,8 @@ impl CloudKind {
             Self::StormCell => Appearance {
                 edge: 0.05,
                 patchiness: 0.0,
-                detail: 0.035,
-                detail_tile_m: [2_800.0; 3],
+                detail: 0.09,
+                detail_tile_m: [6_000.0; 3],
                 ..a(0.08, 4800.0, [14, 14], 0.8, 0.05)
             },
         }
