@@ -16,7 +16,7 @@ pub struct Other {
 }
 
 const NO_MODELS: &str = "no models, parts or animations are drawn";
-const NO_SEA: &str = "the sea is drawn flat and without waves";
+const NO_SEA: &str = "the sea is flat and glitters as in a wind of 5 m/s";
 const NO_SURFACE: &str = "the ground has one look in all weathers";
 const NO_SENSOR: &str = "the eye is the only sensor";
 const NO_COLLISION: &str = "nothing is there to collide with; heights are asked for by HAT/HOT";

@@ -148,7 +148,7 @@ packets! {
         /// Merge aerosol concentrations: 0 Use Last, 1 Merge.
         merge_aerosol_concentrations: bool, bit(4, 3), bit(4, 3), used("0: in place of the global ones; 1: added");
         /// Merge maritime surface conditions: 0 Use Last, 1 Merge.
-        merge_maritime_surface_conditions: bool, bit(4, 4), bit(4, 4), ignored("the sea is drawn flat and without waves");
+        merge_maritime_surface_conditions: bool, bit(4, 4), bit(4, 4), ignored("the sea is flat and glitters as in a wind of 5 m/s");
         /// Merge terrestrial surface conditions: 0 Use Last, 1 Merge.
         merge_terrestrial_surface_conditions: bool, bit(4, 5), bit(4, 5), ignored("the ground has one look in all weathers");
         /// Latitude: deg, -90..90; centre.
