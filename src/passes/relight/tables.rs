@@ -147,6 +147,10 @@ impl Tables {
             while beside().map_or_else(step, |pool| pool.install(step)) {}
             if let Some(tables) = weak.upgrade() {
                 tables.filling.store(false, Ordering::Release);
+                // What was asked for since the last look found the thread still at work.
+                if tables.trim(1) && tables.next().is_some() {
+                    tables.fill();
+                }
             }
         };
         if std::thread::Builder::new().name("bake".into()).spawn(work).is_err() {
