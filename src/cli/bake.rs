@@ -191,12 +191,16 @@ fn within(recipe: Recipe, error: f64) -> Result<Recipe, Failure> {
     let batches = recipe.batches();
     let some: Vec<_> = batches.iter().step_by(batches.len().div_ceil(SAMPLE)).cloned().collect();
     let mut sample = Vec::new();
-    for batch in some {
-        // One light of each: those of a column are alike.
-        sample.extend(recipe.fields(&solver, batch).map_err(failed)?.into_iter().nth(1));
+    for (number, batch) in some.into_iter().enumerate() {
+        // One light of each, higher and higher.
+        let fields = recipe.fields(&solver, batch).map_err(failed)?;
+        let which = number % fields.len().max(1);
+        sample.extend(fields.into_iter().nth(which));
     }
     let (width, norm) = (recipe.packing.width, recipe.norm());
-    let threshold = threshold_for(&Haar::new(recipe.medium.cells), &sample, width, norm, error);
+    let threshold = threshold_for(&Haar::new(recipe.medium.cells), &sample, width, norm, error).ok_or_else(|| {
+        Failure::Input(format!("error = {error}: values of this width are further off; a wider --width is needed"))
+    })?;
     Ok(Recipe { packing: Packing { threshold, width }, ..recipe })
 }
 

@@ -17,6 +17,8 @@ const MARGIN: f64 = 8.0;
 const EARTH_M: f64 = 6_371_000.0;
 /// Steps eastwards shrink towards a pole; nearer to it than this latitude the thinnest crest does not count as thinner.
 const FINEST_DEG: f64 = 85.0;
+/// Nearer to a pole than this latitude (80 degrees) ways along it do not tell distances.
+const NEAR_POLE_RAD: f64 = 1.396;
 /// A level with fewer samples a side is not made.
 const SMALLEST: usize = 2;
 
@@ -172,13 +174,18 @@ impl Heights for Raster {
         let [grid, margin] = self.roughness;
         let beyond = inside - self.margin();
         if beyond > 0.0 {
-            return Roughness { reach_m: beyond * grid.grain_m, ..grid };
+            // Towards a pole steps eastwards are shorter than the grain says.
+            let east_m = self.grid.step_east_deg.to_radians() * EARTH_M * latitude_rad.cos().abs();
+            let step_m = if latitude_rad.abs() > NEAR_POLE_RAD { grid.grain_m.min(0.5 * east_m) } else { grid.grain_m };
+            return Roughness { reach_m: beyond * step_m, ..grid };
         }
         if inside >= 0.0 {
             return margin;
         }
         let around = self.around.roughness(&Geodetic { latitude_rad, longitude_rad, altitude_m: 0.0 });
-        Roughness { reach_m: around.reach_m.min(-inside * grid.grain_m), ..around }
+        // Over a pole the way is shorter than along the circles of latitude.
+        let share = if latitude_rad.abs() > NEAR_POLE_RAD { 0.5 } else { 1.0 };
+        Roughness { reach_m: around.reach_m.min(-inside * share * grid.grain_m), ..around }
     }
 }
 
@@ -198,32 +205,40 @@ fn roughness(grid: &Grid, around: &Terrain) -> [Roughness; 2] {
         // Not quite nothing at a pole, where all of a row is one place.
         grid.step_east_deg.to_radians() * EARTH_M * latitude_deg.abs().min(most_deg).to_radians().cos().max(1e-6)
     };
-    // Between two samples of which one is not known there may be a wall.
+    let known = || grid.heights_m.iter().filter(|height_m| !height_m.is_nan());
+    let highest_m = known().fold(0.0f64, |a, b| a.max(f64::from(b.abs())));
+    let holes = grid.heights_m.iter().any(|height_m| height_m.is_nan());
+    // Between two samples of which one is not known there may be a wall, as high as the two grounds are apart.
+    let wall_m = highest_m + if around.is_ellipsoid() { 0.0 } else { HIGHEST_M };
     let rise_m = |a: f32, b: f32| match (a.is_nan(), b.is_nan()) {
         (false, false) => f64::from((a - b).abs()),
         (true, true) => 0.0,
-        _ => HIGHEST_M,
+        _ => wall_m,
     };
-    let (mut steepest, mut highest_m) = ([0.0f64; 2], 0.0f64);
+    let mut steepest = [0.0f64; 2];
     for (number, row) in grid.heights_m.chunks_exact(grid.columns).enumerate() {
         let east_m = east_m(number, 90.0);
         let eastwards = row.windows(2).map(|pair| rise_m(pair[0], pair[1]) / east_m);
         let next = grid.heights_m.get((number + 1) * grid.columns..).unwrap_or_default();
         let southwards = row.iter().zip(next).map(|(a, b)| rise_m(*a, *b) / south_m);
         steepest = [eastwards.fold(steepest[0], f64::max), southwards.fold(steepest[1], f64::max)];
-        highest_m = row.iter().filter(|height_m| !height_m.is_nan()).fold(highest_m, |a, b| a.max(f64::from(b.abs())));
     }
     let grain_m = south_m.min(east_m(0, FINEST_DEG)).min(east_m(rows - 1, FINEST_DEG));
     let steepest = steepest[0].hypot(steepest[1]);
     let margin = MARGIN.min(0.25 * (grid.columns.min(rows) - 1) as f64);
     // The weight of the grid rises by 1.5 over the margin's width at most.
-    let apart_m = highest_m + if around.is_ellipsoid() { 0.0 } else { HIGHEST_M };
     let outside = around.roughness(&Geodetic { latitude_rad: 0.0, longitude_rad: 0.0, altitude_m: 0.0 });
     [
-        Roughness { grain_m, steepest, reach_m: 0.0 },
+        // In a hole the ground around shows.
+        match holes {
+            true => {
+                Roughness { grain_m: grain_m.min(outside.grain_m), steepest: steepest + outside.steepest, reach_m: 0.0 }
+            }
+            false => Roughness { grain_m, steepest, reach_m: 0.0 },
+        },
         Roughness {
             grain_m: grain_m.min(outside.grain_m),
-            steepest: steepest + outside.steepest + 1.5 * apart_m / (margin * grain_m),
+            steepest: steepest + outside.steepest + 1.5 * wall_m / (margin * grain_m),
             reach_m: grain_m,
         },
     ]
@@ -268,6 +283,23 @@ mod tests {
 
     fn height(raster: &Raster, column: f64, row: f64, spacing_m: f64) -> f64 {
         raster.height_m((47.0 - 0.01 * row).to_radians(), (8.0 + 0.01 * column).to_radians(), spacing_m)
+    }
+
+    #[test]
+    fn a_hole_is_as_rough_as_the_ground_that_shows_in_it() {
+        let mut grid = slope();
+        let middle = (46.6f64.to_radians(), 8.5f64.to_radians());
+        let whole = Raster::new(slope(), 0.0, Terrain::procedural()).roughness(middle.0, middle.1);
+        (0..10).for_each(|row| grid.heights_m[(35 + row) * 100 + 45..][..10].fill(f32::NAN));
+        let holed = Raster::new(grid, 0.0, Terrain::procedural()).roughness(middle.0, middle.1);
+        let around = Terrain::procedural().roughness(&Geodetic {
+            latitude_rad: middle.0,
+            longitude_rad: middle.1,
+            altitude_m: 0.0,
+        });
+        assert!(holed.grain_m <= around.grain_m && holed.steepest >= around.steepest, "{holed:?}");
+        // The tester: without a hole the grid's own samples, a kilometre wide, say it.
+        assert!(whole.grain_m > 500.0 && whole.steepest < 0.1, "{whole:?}");
     }
 
     #[test]

@@ -112,9 +112,11 @@ pub fn bound(near: &NearRegion, layer: &LayerState, eye: &Eye) -> ([f32; 3], f32
         longitude_rad: shape.longitude_deg.to_radians(),
         altitude_m: layer.base_m + 0.5 * layer.thickness_m,
     };
-    // Outlines are measured around the eye, where a length is up to a thousandth too long in sight.
-    let radius_m = 1.01 * DVec2::new(beside_m, 0.5 * layer.thickness_m).length();
-    (eye.place(&middle).into(), radius_m as f32)
+    let middle_m = eye.place(&middle);
+    // Outlines are measured around the eye, where a length is up to a thousandth too long in sight; and they lie on a sphere that
+    // has the mean of the ellipsoid's two radii at the eye, which differ from it by 0.34 % at the most.
+    let radius_m = 1.01 * DVec2::new(beside_m, 0.5 * layer.thickness_m).length() as f32 + 0.004 * middle_m.length();
+    (middle_m.into(), radius_m)
 }
 
 #[cfg(test)]

@@ -206,8 +206,9 @@ fn request(snapshot: &Snapshot, part: &Part, method: Lighting) -> Option<(Reques
     let drift = blown_back(layer, &there, snapshot.simulation_time_s - flash.begin_s);
     let mut method = method;
     if method.method().table().is_some() {
-        let (request, middle) = patch::request(snapshot, flash, &points, (layer, column, drift), method);
-        if fits(snapshot, &request) {
+        let region = column.checked_sub(1).map(|i| regions[i].state);
+        let piece = patch::request(snapshot, flash, &points, (layer, region, drift), method);
+        if let Some((request, middle)) = piece.filter(|(request, _)| fits(snapshot, request)) {
             return (!too_thin(&request)).then_some((request, middle));
         }
         method = Lighting::Solve;

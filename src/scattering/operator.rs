@@ -94,6 +94,11 @@ impl Operator {
         }
     }
 
+    /// Memory that it takes, bytes, but for what solvers share.
+    pub fn memory_bytes(&self) -> usize {
+        size_of_val(self.weights.as_slice()) + size_of_val(self.lowest.as_slice())
+    }
+
     /// Number of cells.
     pub fn len(&self) -> usize {
         self.cells.iter().product()

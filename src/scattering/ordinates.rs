@@ -180,6 +180,11 @@ struct Shared {
 const MANY: usize = 8;
 
 impl Solver {
+    /// Memory that it takes, bytes, but for what it shares with others of the same parameters.
+    pub fn memory_bytes(&self) -> usize {
+        self.operator.memory_bytes() + size_of_val(self.medium.extinction_per_m.as_slice())
+    }
+
     /// Checks the parameters and computes what does not depend on sources. The light is open whether or not the medium
     /// is periodic (take [`Medium::window`] first).
     ///

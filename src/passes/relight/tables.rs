@@ -7,7 +7,6 @@
 use super::cloud::{medium, window};
 use super::patch::recipe;
 use super::solve::{self, sources, stored};
-use super::store::beside;
 use super::{Field, Lighting, Request, Window};
 use crate::numeric::haar::Haar;
 use crate::scattering::basis::Recipe;
@@ -18,6 +17,7 @@ use crate::scattering::relight::{Relighter, Table};
 use rayon::prelude::*;
 use std::collections::{BTreeSet, VecDeque};
 use std::ops::Range;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, Weak};
 
@@ -120,10 +120,13 @@ impl Tables {
         let piece = Arc::new(Piece::new(cloud.clone())?);
         let mut kept = self.kept();
         // Another thread may have been quicker.
-        Some(known(&mut kept).unwrap_or_else(|| {
+        let piece = known(&mut kept).unwrap_or_else(|| {
             kept.push_front(piece.clone());
             piece
-        }))
+        });
+        drop(kept);
+        self.trim(1);
+        Some(piece)
     }
 
     /// Forgets the pieces that were not asked for longest, down to `least` of them, until the rest fits.
@@ -143,8 +146,8 @@ impl Tables {
         }
         let weak = Arc::downgrade(self);
         let work = move || {
-            let step = || fill_one(&weak);
-            while beside().map_or_else(step, |pool| pool.install(step)) {}
+            // On this thread, not on those that solve beside the pictures: a flash that needs a solve does not wait for a batch.
+            while fill_one(&weak) {}
             if let Some(tables) = weak.upgrade() {
                 tables.filling.store(false, Ordering::Release);
                 // What was asked for since the last look found the thread still at work.
@@ -205,7 +208,8 @@ impl Piece {
         let batches = recipe.batches();
         let made = batches.iter().map(|_| OnceLock::new()).collect();
         let wanted = Mutex::new(BTreeSet::new());
-        Some(Self { cloud, window, recipe, solver, haar, batches, made, wanted, bytes: AtomicUsize::new(0) })
+        let bytes = AtomicUsize::new(solver.memory_bytes() + size_of_val(recipe.medium.extinction_per_m.as_slice()));
+        Some(Self { cloud, window, recipe, solver, haar, batches, made, wanted, bytes })
     }
 
     /// The batches of the lights that stand for some points.
@@ -217,7 +221,9 @@ impl Piece {
 
     fn bake(&self, batch: usize) {
         self.made[batch].get_or_init(|| {
-            let blocks = self.recipe.solve(&self.solver, &self.haar, self.batches[batch].clone()).ok()?;
+            let solve = || self.recipe.solve(&self.solver, &self.haar, self.batches[batch].clone());
+            // A batch that panics gives no light, and the others are baked all the same.
+            let blocks = catch_unwind(AssertUnwindSafe(solve)).ok()?.ok()?;
             let bytes = blocks.iter().map(|block| block.memory_bytes()).sum();
             self.bytes.fetch_add(bytes, Ordering::Relaxed);
             Some(blocks)

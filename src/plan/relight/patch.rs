@@ -12,7 +12,7 @@ use crate::geo::wgs84::MEAN_RADIUS_M;
 use crate::passes::deck::{Layer, REGIONS, Region};
 use crate::passes::relight::patch::{self, STEP_CELLS};
 use crate::passes::relight::{Lighting, Point, Request};
-use crate::world::snapshot::{FlashState, LayerState, Snapshot};
+use crate::world::snapshot::{FlashState, LayerState, RegionState, Snapshot};
 use glam::{DMat3, DQuat, DVec3};
 use std::f64::consts::FRAC_PI_2;
 
@@ -21,19 +21,25 @@ const PLACE_M: f64 = 10.0;
 /// Where a region's outline lies against the pattern, m.
 const OUTLINE_M: f32 = 1_000.0;
 
-/// The request of a flash's part about the middle of its piece, and that middle; `drift` is the layer's as the flash began.
+/// The request of a flash's part about the middle of its piece, and that middle; `drift` is the layer's as the flash began, `region`
+/// the one whose layer it is (`None`: the global weather). `None`: the region is not among those near the middle.
 pub fn request(
     snapshot: &Snapshot,
     flash: &FlashState,
     points: &[Point],
-    (state, column, drift): (&LayerState, usize, DQuat),
+    (state, region, drift): (&LayerState, Option<&RegionState>, DQuat),
     method: Lighting,
-) -> (Request, Eye) {
+) -> Option<(Request, Eye)> {
     let thickness_m = coarse(state.thickness_m as f32);
     let reach_m = points.iter().flat_map(|p| [p.position_m[0].abs(), p.position_m[1].abs()]).fold(0.0, f32::max);
     let wide_m = patch::wide_m(thickness_m, reach_m);
     let there = middle(flash, drift, f64::from(wide_m) * STEP_CELLS as f64);
     let near = regions::near(snapshot, &there, &mut Vec::new());
+    // Regions are numbered by their distance, which is another one from here.
+    let column = match region {
+        None => 0,
+        Some(own) => 1 + near.iter().position(|near| std::ptr::eq(near.state, own))?,
+    };
     let layer = Layer { thickness_m, ..about(state, column, &there, &near, drift) };
     let request = Request {
         kind: state.kind,
@@ -43,7 +49,7 @@ pub fn request(
         patch: Some(patch::window(layer.base_m, thickness_m, wide_m)),
         layer,
     };
-    (request, there)
+    Some((request, there))
 }
 
 /// The middle of the piece that holds a flash: its axes are those of the pattern.

@@ -13,7 +13,7 @@ use crate::wire::cigi::packets::{
     HatHotResponse, LineOfSightExtendedResponse, LineOfSightResponse, LineOfSightSegmentRequest,
     LineOfSightVectorRequest, Packet, WeatherConditionsResponse,
 };
-use crate::wire::cigi::scene::Entities;
+use crate::wire::cigi::scene::{Entities, half_turn};
 use crate::wire::limits::SIGHT_RANGE_M;
 use crate::world::snapshot::Snapshot;
 use glam::DVec3;
@@ -77,7 +77,7 @@ impl Known {
                     hat: found.hat_m,
                     hot: above_sea_level(found.hot_m),
                     material_code: found.material,
-                    normal_vector_azimuth: found.normal_azimuth_deg as f32,
+                    normal_vector_azimuth: half_turn(found.normal_azimuth_deg) as f32,
                     normal_vector_elevation: found.normal_elevation_deg as f32,
                     ..empty
                 },
@@ -195,7 +195,7 @@ impl Known {
             blue,
             alpha: if found.hider == Some(Hider::Ground) { 255 } else { (found.opacity * 255.0).round() as u8 },
             material_code,
-            normal_vector_azimuth: met.map_or(0.0, |met| met.normal_azimuth_deg as f32),
+            normal_vector_azimuth: met.map_or(0.0, |met| half_turn(met.normal_azimuth_deg) as f32),
             normal_vector_elevation: met.map_or(0.0, |met| met.normal_elevation_deg as f32),
             ..empty
         }

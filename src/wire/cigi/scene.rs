@@ -216,7 +216,7 @@ fn view_definition_counts(packet: &ViewDefinition, name: &str) -> bool {
 }
 
 /// An angle brought into [-180, 180]; one that is there already stays as it is.
-fn half_turn(angle_deg: f64) -> f64 {
+pub fn half_turn(angle_deg: f64) -> f64 {
     if angle_deg.abs() <= 180.0 { angle_deg } else { (angle_deg + 180.0).rem_euclid(360.0) - 180.0 }
 }
 

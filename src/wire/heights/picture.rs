@@ -48,6 +48,8 @@ const KINDS: [(u64, u64); 8] = [(1, 8), (1, 16), (1, 32), (2, 8), (2, 16), (2, 3
 /// Bytes that one packed byte may become at most: nothing, LZW (a code of 12 bits stands for 4,096 bytes at most), deflate
 /// (RFC 1951: 258 bytes a code of two bits), PackBits (128 of two).
 const SPREAD: [(u64, usize); 5] = [(1, 1), (5, 2_731), (8, 1_032), (32_773, 64), (32_946, 1_032)];
+/// Bytes that a packed chunk may have beyond twice what it becomes: tables of deflate, codes of LZW.
+const SPARE: usize = 4_096;
 
 /// How an image is laid out; checked, so that its samples can be read.
 #[derive(Debug)]
@@ -142,6 +144,8 @@ impl Picture {
                 let limit = format!("{unpacked} bytes cannot be packed into so few");
                 return Err(wrong("the length of a strip or tile", length, limit));
             }
+            // What no compression needs is not copied: many chunks may name the same long piece of the file.
+            let packed = &packed[..length.min(2 * unpacked + SPARE)];
             let alone = alone([wide, stored], self.form, packed, big_endian);
             let chunk = samples(read(&alone)?, &height)?;
             if chunk.len() != wide * stored {

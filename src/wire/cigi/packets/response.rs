@@ -79,9 +79,9 @@ packets! {
         /// Material code: IG-defined.
         material_code: u32, at(24), at(24), sent("1 land, 2 water");
         /// Normal vector azimuth: deg, -180..180.
-        normal_vector_azimuth: f32, at(28), at(28), sent("of the ground, which is level");
+        normal_vector_azimuth: f32, at(28), at(28), sent("of the ground");
         /// Normal vector elevation: deg, -90..90.
-        normal_vector_elevation: f32, at(32), at(32), sent("of the ground, which is level");
+        normal_vector_elevation: f32, at(32), at(32), sent("of the ground");
     }
 
     /// Answers a basic line of sight request.

@@ -163,9 +163,9 @@ impl Weather {
         for (place, shape, merges) in self.places(entities) {
             let own = self.clouds_of(place);
             // Storm cells alone stand in the weather around as they are.
-            let cells = !own.is_empty() && own.iter().all(|parts| parts.layer.kind == CloudKind::StormCell);
-            let around: &[LayerSpec] = if merges && !cells { &global } else { &[] };
-            let specs = clouds::specs(&own, around);
+            let alone = clouds::specs(&own, &[]);
+            let cells = !alone.is_empty() && alone.iter().all(|layer| layer.kind == CloudKind::StormCell);
+            let specs = if merges && !cells { clouds::specs(&own, &global) } else { alone };
             wanted.insert(shape.name.clone(), (shape, specs));
         }
         for name in self.heard_regions.keys().filter(|name| !wanted.contains_key(*name)) {

@@ -42,7 +42,7 @@ fn cumulonimbus_with_an_outline_is_a_storm_cell_that_stands_in_the_weather_aroun
     };
     let cell =
         WeatherControl { scope: 1, entity_region_id: 4, bottom_transition_band: 300.0, ..cloud(1, 6, 900.0, 11_000.0) };
-    host.says([cloud(1, 7, 1_200.0, 800.0).into(), region.into(), cell.into()]);
+    host.says([cloud(1, 7, 1_200.0, 800.0).into(), region.into(), cell.clone().into()]);
     let seen = host.sees();
     let kinds = |weather: &crate::world::snapshot::WeatherState| -> Vec<CloudKind> {
         weather.layers.iter().map(|layer| layer.kind).collect()
@@ -51,6 +51,13 @@ fn cumulonimbus_with_an_outline_is_a_storm_cell_that_stands_in_the_weather_aroun
     // No band of it, and no copy of the layers around.
     assert_eq!(kinds(&seen.regions[0].weather), [CloudKind::StormCell]);
     assert!(seen.regions[0].stands_in());
+    // With scud it is more than a cell: its weather rules, and what was to be merged is in it.
+    host.says([WeatherControl { bottom_scud_enable: true, bottom_scud_frequency: 40.0, ..cell }.into()]);
+    host.world.advance_to(1.0);
+    let seen = host.sees();
+    let found = kinds(&seen.regions[0].weather);
+    assert!(found.contains(&CloudKind::Cumulus) && found.contains(&CloudKind::Stratus), "{found:?}");
+    assert!(!seen.regions[0].stands_in());
 }
 
 #[test]
