@@ -28,15 +28,15 @@ pub struct Parts {
 }
 
 impl Parts {
-    /// The same inside an outline, where cumulonimbus is one storm cell, which needs no bands.
+    /// The same inside an outline, where cumulonimbus is one storm cell, which has no bands and no scud: it stands in the weather
+    /// around, and beside other layers it could not.
     #[must_use]
     pub fn bounded(self) -> Self {
         if self.layer.kind != CloudKind::Cumulonimbus {
             return self;
         }
-        let scud = |part: Option<LayerSpec>| part.filter(|part| part.kind == CloudKind::Stratus);
         let layer = LayerSpec { kind: CloudKind::StormCell, ..self.layer };
-        Self { layer, below: scud(self.below), above: scud(self.above) }
+        Self { layer, below: None, above: None }
     }
 }
 
