@@ -1,7 +1,7 @@
 //! The clouds and the haze at a point and along a line: the very field that the deck pass draws, asked without a picture.
 
+use crate::clouds::CloudKind;
 use crate::clouds::density::DensityVolume;
-use crate::clouds::{CloudKind, detail, modulation};
 use crate::geo::Geodetic;
 use crate::passes::common::{AIR_SCALE_M, HAZE_SCALE_M};
 use crate::passes::deck::field::{Textures, column_bounds, margin};
@@ -52,15 +52,7 @@ impl Field {
             if height_m < layer.base_m || height_m > layer.base_m + layer.thickness_m {
                 continue;
             }
-            let textures = Textures {
-                shape: &volume.shape,
-                lights: &[],
-                bounds,
-                map: modulation::map(),
-                detail: detail::volume(),
-                shade: None,
-                glow: None,
-            };
+            let textures = Textures::unlit(&volume.shape, bounds);
             // Range 0: with all its detail, as an eye that comes near sees it.
             let found = margin(layer, &textures, camera.earth_m, place, height_m, 0.0);
             sum += layer.extinction_per_m * (found * layer.inverse_edge).clamp(0.0, 1.0);

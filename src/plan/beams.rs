@@ -3,7 +3,6 @@
 use super::eye::Eye;
 use super::{LayerPlan, PassNote};
 use crate::clouds::density::DensityVolume;
-use crate::clouds::{detail, modulation};
 use crate::passes::beams::{Beams, LAMPS, LOOKS, Lamp, ranges_m, twin};
 use crate::passes::common::{Camera, HAZE_SCALE_M};
 use crate::passes::deck::field::{BOUNDS_WIDTH, Textures, margin};
@@ -132,15 +131,7 @@ fn extinction(camera: &Camera, layers: &[LayerPlan]) -> [f32; LOOKS] {
         let p = direction * t + Vec3::new(0.0, 0.0, camera.eye_m);
         let haze = camera.haze_per_m * (-height.max(0.0) / HAZE_SCALE_M).exp();
         let cloud = near.iter().map(|(layer, volume)| {
-            let textures = Textures {
-                shape: &volume.shape,
-                lights: &[],
-                bounds: &bounds,
-                map: modulation::map(),
-                detail: detail::volume(),
-                shade: None,
-                glow: None,
-            };
+            let textures = Textures::unlit(&volume.shape, &bounds);
             if height < layer.base_m || height > layer.base_m + layer.thickness_m {
                 return 0.0;
             }

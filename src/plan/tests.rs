@@ -5,7 +5,7 @@ mod needs;
 use super::eye::Eye;
 use super::scenes::{clear_day, cumulus_at, extremes, flash, layer, place, region, sun};
 use super::*;
-use crate::clouds::{density, detail, modulation};
+use crate::clouds::{density, modulation};
 use crate::geo::Geodetic;
 use crate::geo::wgs84::{from_ecef, to_ecef};
 use crate::passes::common::stereographic;
@@ -138,16 +138,7 @@ fn detail_stands_on_the_ground_while_the_eye_flies() {
         moved.ownship.position = from_ecef(flown);
         let plans = [plan_of(&snapshot), plan_of(&moved)];
         let eyes = [first, eye_at(&snapshot, from_ecef(flown))];
-        let (map, detail_volume) = (modulation::map(), detail::volume());
-        let textures = Textures {
-            shape: &shape,
-            lights: &[],
-            bounds: &bounds,
-            map,
-            detail: detail_volume,
-            shade: None,
-            glow: None,
-        };
+        let textures = Textures::unlit(&shape, &bounds);
         let (mut change, mut detail) = (0.0f32, 0.0f32);
         for k in 0..200 {
             let (x, y) = (f64::from(k % 20) * 61.0, f64::from(k / 20) * 53.0);

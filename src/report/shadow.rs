@@ -6,7 +6,7 @@ use super::subject::{Run, Stopped, Subject};
 use super::timing::measure;
 use crate::clouds::coverage::{Coverage, Threshold};
 use crate::clouds::density::{DensityVolume, HEIGHT, TILE_M, WIDTH};
-use crate::clouds::{CloudKind, detail, modulation};
+use crate::clouds::{CloudKind, modulation};
 use crate::encode::{Format, encode_pixels};
 use crate::frame::Pixels;
 use crate::passes::common::{Chart, stereographic};
@@ -92,15 +92,7 @@ impl Sky {
             .map(|at| at.extend(-at.length_squared() / (2.0 * EARTH_M)))
             .collect();
         let volume = DensityVolume::of(self.kind);
-        let textures = Textures {
-            shape: &volume.shape,
-            lights: &[],
-            bounds: &self.bounds,
-            map: modulation::map(),
-            detail: detail::volume(),
-            shade: None,
-            glow: None,
-        };
+        let textures = Textures::unlit(&volume.shape, &self.bounds);
         let marched = |steps: u32| -> Vec<f32> {
             points.iter().map(|p| march::through(&self.layer, &textures, EARTH_M, *p, steps)).collect()
         };

@@ -31,6 +31,13 @@ pub struct Textures<'a> {
     pub glow: Option<(&'a CityGlow, &'a [Texel])>,
 }
 
+impl<'a> Textures<'a> {
+    /// Those that say where cloud is, without any light: a genus's shape and its bounds, and what all genera share.
+    pub fn unlit(shape: &'a [u8], bounds: &'a [u8]) -> Self {
+        Self { shape, lights: &[], bounds, map: modulation::map(), detail: detail::volume(), shade: None, glow: None }
+    }
+}
+
 /// A bound below this need not be followed up by a look: no neighbour within a step is cloud, so that it matters to nobody
 /// that it is a bound and not the value.
 pub const CLEAR: f32 = -0.25;

@@ -195,7 +195,8 @@ fn city_light_of_level(level: u32, place_m: vec2<f32>) -> f32 {
 // Lamps at a place of the first chart, 1 in the mean: one in each cell, the cells as large as a pixel can tell apart.
 fn lamps(place_m: vec2<f32>, footprint: f32, places: Places) -> vec3<f32> {
     let size = max(footprint * (1.0 / LAMP_CELLS), LAMP_M);
-    let octave = log2(size * (1.0 / LAMP_M));
+    // A device's logarithm of 1 may lie below 0.
+    let octave = max(log2(size * (1.0 / LAMP_M)), 0.0);
     let low = floor(octave);
     let light = mix(lamps_of(place_m, u32(low), footprint), lamps_of(place_m, u32(low) + 1u, footprint), octave - low);
     // Streets and squares gather lamps, parks have none.

@@ -215,7 +215,7 @@ fn field_albedo(place_m: Vec2) -> Vec3 {
 /// Lamps at a place of the first chart, 1 in the mean: one in each cell, the cells as large as a pixel can tell apart.
 fn lamps(place_m: Vec2, patterns: &Patterns) -> Vec3 {
     let size = (patterns.footprint * (1.0 / LAMP_CELLS)).max(LAMP_M);
-    let octave = (size * (1.0 / LAMP_M)).log2();
+    let octave = (size * (1.0 / LAMP_M)).log2().max(0.0);
     let low = octave.floor();
     let of = |octave: u32| lamps_of(place_m, octave, patterns.footprint);
     let light = of(low as u32).lerp(of(low as u32 + 1), octave - low);

@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::clouds::density::DensityVolume;
-use crate::clouds::{detail, modulation};
 use crate::passes::deck::field::{Textures, column_bounds, margin};
 use crate::plan::scenes::{cumulus_at, layer, place, region};
 use crate::plan::{FramePlan, Output, plan};
@@ -73,15 +72,7 @@ fn no_cloud_of_a_cell_is_outside_of_its_bound_and_much_is_inside() {
     let drawn = plan.layers.iter().find(|layer| layer.kind == CloudKind::StormCell).expect("the cell is in sight");
     let volume = DensityVolume::of(drawn.kind);
     let bounds = column_bounds(&volume.shape);
-    let textures = Textures {
-        shape: &volume.shape,
-        lights: &[],
-        bounds: &bounds,
-        map: modulation::map(),
-        detail: detail::volume(),
-        shade: None,
-        glow: None,
-    };
+    let textures = Textures::unlit(&volume.shape, &bounds);
     let (mut inside, mut outside) = (0, 0);
     for i in 0..40_000 {
         let [x, y, h] = crate::numeric::hash::pcg3d(i, 7, 9).map(crate::numeric::hash::unit);
