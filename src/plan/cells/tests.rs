@@ -96,6 +96,37 @@ fn no_cloud_of_a_cell_is_outside_of_its_bound_and_much_is_inside() {
 }
 
 #[test]
+fn far_away_a_small_region_lies_in_its_bound_as_well() {
+    // 250 km east on the equator, where the sphere that outlines lie on differs most from the ellipsoid.
+    let mut snapshot = cumulus_at(place(0.0, 8.0, 10_000.0));
+    let mut small = region(0.0, 10.246, 4_000.0, 100.0);
+    small.weather.layers = vec![layer(CloudKind::Stratus, 1_000.0, 2_000.0)];
+    small.weather.layers[0].coverage = 1.0;
+    snapshot.regions.push(small);
+    let plan = plan_of(&snapshot);
+    let drawn = plan.layers.iter().find(|layer| layer.layer.region == 1).expect("the region is in sight");
+    let volume = DensityVolume::of(drawn.kind);
+    let bounds = column_bounds(&volume.shape);
+    let textures = Textures::unlit(&volume.shape, &bounds);
+    let (mut inside, mut outside) = (0, 0);
+    for i in 0..40_000 {
+        let [x, y, h] = crate::numeric::hash::pcg3d(i, 11, 13).map(crate::numeric::hash::unit);
+        let (angle, north) = ((250_000.0 + 8_000.0 * (x - 0.5)) / plan.camera.earth_m, 8_000.0 * (y - 0.5));
+        let height = 1_000.0 + 2_000.0 * h;
+        let radius = plan.camera.earth_m + height;
+        let up = radius * angle.cos() - plan.camera.earth_m - north * north / (2.0 * plan.camera.earth_m);
+        let p = Vec3::new(radius * angle.sin(), north, up);
+        if margin(&drawn.layer, &textures, plan.camera.earth_m, p, height, 1e6) > 0.0 {
+            let way = p - Vec3::new(0.0, 0.0, plan.camera.eye_m);
+            let [from, to] = drawn.layer.bounded(plan.camera.eye_m, way.normalize());
+            inside += usize::from((from..to).contains(&way.length()));
+            outside += usize::from(!(from..to).contains(&way.length()));
+        }
+    }
+    assert!(inside > 1_000 && outside == 0, "{inside} {outside}");
+}
+
+#[test]
 fn a_cell_stands_in_the_weather_around_and_other_regions_take_its_place() {
     let of = |snapshot: &Snapshot| {
         let plan = plan_of(snapshot);
