@@ -257,7 +257,9 @@ fn a_wrong_shader_is_noticed() {
         ("march", "let depth = layer.extinction_per_m", "let depth = 0.7 * layer.extinction_per_m"),
         ("march", "mix(at, end, seen_share(", "mix(at, end, 0.3 * seen_share("),
         ("march", "transmittance = 1.0 - nearer.a", "transmittance = 0.9 - nearer.a"),
-        ("march", "left = exp(-layer.relief_depth", "left = exp(layer.relief_depth"),
+        ("march", "left *= exp(-layer.relief_depth", "left *= exp(layer.relief_depth"),
+        ("march", "1.0 + share * clumps(", "1.0 - share * clumps("),
+        ("march", "-CLUMP_SHADE * near", "CLUMP_SHADE * near"),
         ("deck", "seen.light = source(", "seen.light = 1.1 * source("),
         ("cull", ".a < 1.0 - OPAQUE", ".a < -1.0"),
         ("ground", "seen = lit * made.albedo * 0.31830987", "seen = lit * made.albedo * 0.36"),
@@ -274,6 +276,10 @@ fn a_wrong_shader_is_noticed() {
         let scene = match module {
             "shadow" => Scene { pitch_deg: -35.0, altitude_m: 900.0, ..BELOW },
             "relief" => MOUNTAINS,
+            "march" if right.contains("clumps") => {
+                Scene { coverage: 0.3, altitude_m: 1_500.0, pitch_deg: 0.0, ..BELOW }
+            }
+            "march" if right.contains("CLUMP") => Scene { coverage: 1.0, altitude_m: 1_500.0, pitch_deg: 0.0, ..BELOW },
             "march" if right.contains("glow") => Scene { coverage: 1.0, ..CITY },
             "ground" if right.contains("passed") => Scene { pitch_deg: -35.0, altitude_m: 900.0, ..BELOW },
             "ground" if right.contains("inside") => {

@@ -5,6 +5,7 @@ use super::{LayerPlan, PassNote};
 use crate::clouds::density::DensityVolume;
 use crate::passes::beams::{Beams, LAMPS, LOOKS, Lamp, ranges_m, twin};
 use crate::passes::common::{Camera, HAZE_SCALE_M};
+use crate::passes::deck::clumps::varied;
 use crate::passes::deck::field::{BOUNDS_WIDTH, Textures, margin};
 use crate::world::command::Exposure;
 use crate::world::snapshot::{Snapshot, ViewState};
@@ -136,7 +137,8 @@ fn extinction(camera: &Camera, layers: &[LayerPlan]) -> [f32; LOOKS] {
                 return 0.0;
             }
             let found = margin(layer, &textures, camera.earth_m, p, height, t);
-            layer.extinction_per_m * (found * layer.inverse_edge).clamp(0.0, 1.0)
+            let density = varied(layer, &textures, camera.earth_m, p, height, t);
+            layer.extinction_per_m * (found * layer.inverse_edge).clamp(0.0, 1.0) * density
         });
         haze + cloud.sum::<f32>()
     })

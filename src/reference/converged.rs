@@ -7,6 +7,7 @@
 use super::shell::{height_m, stretches};
 use crate::passes::common::Camera;
 use crate::passes::deck::FLASH_COLOUR;
+use crate::passes::deck::clumps::varied;
 use crate::passes::deck::field::{light_at, margin, relieved, shown, source, view};
 use crate::passes::deck::twin::Prepared;
 use crate::passes::ground;
@@ -114,7 +115,8 @@ fn add(camera: &Camera, layers: &[Prepared], ray: &Ray, (p, t, ds): (DVec3, f64,
         }
         let inside = margin(layer, textures, earth_m, p, height, t as f32) * layer.inverse_edge;
         if inside > 0.0 {
-            let own = f64::from(layer.extinction_per_m * inside.min(1.0));
+            let density = varied(layer, textures, earth_m, p, height, t as f32);
+            let own = f64::from(layer.extinction_per_m * inside.min(1.0) * density);
             let light = light_at(layer, textures, earth_m, p, height);
             let shown =
                 shown(layer, textures, earth_m, p, height) * relieved(layer, textures, earth_m, p, height, t as f32);

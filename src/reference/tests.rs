@@ -1,5 +1,6 @@
 //! Pictures of extreme snapshots are finite; more coverage hides more.
 
+mod clumps;
 mod extremes;
 mod geometry;
 mod memory;

@@ -1,5 +1,6 @@
 //! The density and light of a layer at a point; twin of the functions of the same names in `field.wgsl` and `lit.wgsl`.
 
+use super::clumps;
 use super::glow::{CityGlow, SPACING_M, Texel, WIDTH, at_height, sample};
 use super::{FLASH_CAP_M, FLASH_COLOUR, Layer, Region};
 use crate::clouds::{CloudKind, clearance, density, detail, modulation};
@@ -98,7 +99,7 @@ pub fn look(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_m:
         sum += weight * (value - layer.theta - above - shift);
     }
     if t_m < layer.detail_fade_m[1] && sum > -heaped && sum < layer.detail + 1.0 / layer.inverse_edge {
-        sum += layer.detail * detail_fade(layer, t_m) * fine(layer, textures, z, height_m);
+        sum += layer.detail * detail_fade(layer, t_m) * fine(layer, textures, z, height_m, 1.0);
     }
     found(sum)
 }
@@ -114,13 +115,13 @@ fn heaped(layer: &Layer, t_m: f32) -> f32 {
     layer.detail * detail_fade(layer, t_m) * (1.0 - detail::MEAN)
 }
 
-/// The detail at a place, less its mean.
-fn fine(layer: &Layer, textures: &Textures, z: Vec2, height_m: f32) -> f32 {
+/// The detail at a place in its periods, each finer by `times`, less its mean.
+pub(super) fn fine(layer: &Layer, textures: &Textures, z: Vec2, height_m: f32, times: f32) -> f32 {
     // In the first chart's axes, so that it stands on the ground while the eye moves.
     let moved = layer.chart[0].displacement(z);
     let [east, north, up] = layer.detail_per_m;
     let at = [layer.detail_origin[0] + moved.x * east, layer.detail_origin[1] + moved.y * north, height_m * up];
-    volume_byte(textures.detail, detail::WIDTH, detail::WIDTH, true, at) - detail::MEAN
+    volume_byte(textures.detail, detail::WIDTH, detail::WIDTH, true, at.map(|v| v * times)) - detail::MEAN
 }
 
 /// How far away the nearest cloud is at least, by the table behind the column bounds, for theta less what detail adds, m; 0 where
@@ -194,16 +195,18 @@ const RELIEF_NEAR_M: f32 = 300.0;
 
 /// What detail leaves of the source's light at a point at a range, which light volumes do not know, against its mean: as much less
 /// as there is more of it on the light's way, and less between heaps than on them, where light scatters out to all sides.
+/// Near the eye clumps inside the cloud do it instead.
 pub fn relieved(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_m: f32, t_m: f32) -> f32 {
+    let left = clumps::shaded(layer, textures, earth_m, p, height_m, t_m);
     if t_m >= layer.detail_fade_m[1] {
-        return 1.0;
+        return left;
     }
     let towards = Vec3::from(layer.light_direction) * layer.relief_m;
     let z = stereographic(p, earth_m, earth_m + height_m);
-    let more = fine(layer, textures, z + towards.truncate(), height_m + towards.z)
-        - BETWEEN_HEAPS * fine(layer, textures, z, height_m);
+    let more = fine(layer, textures, z + towards.truncate(), height_m + towards.z, 1.0)
+        - BETWEEN_HEAPS * fine(layer, textures, z, height_m, 1.0);
     let share = detail_fade(layer, t_m) * smoothstep(0.0, RELIEF_NEAR_M, t_m);
-    (-layer.relief_depth * share * more).exp()
+    left * (-layer.relief_depth * share * more).exp()
 }
 
 /// Share of the source's light that higher layers leave at a point.

@@ -51,8 +51,8 @@ struct Layer {
     detail_per_m: vec3<f32>,
     relief_depth: f32,
     detail_fade_m: vec2<f32>,
-    pad2: f32,
-    pad3: f32,
+    varied: f32,
+    clumps_finer: f32,
     bound_m: vec3<f32>,
     bound_radius_m: f32,
     chart: array<Chart, 3>,
@@ -74,6 +74,8 @@ const CLEAR_HEIGHT: f32 = 8.0;
 const CLEAR_THETAS: f32 = 12.0;
 const CLEAR_THETA_STEP: f32 = 0.08;
 const CLEAR_UNIT_M: f32 = 8.0;
+const VARIED_M: vec2<f32> = vec2<f32>(150.0, 600.0);
+const LEAST_VARIED: f32 = 0.1;
 const RUNG_ROUNDING: f32 = 0.01;
 const HALVINGS: u32 = 10u;
 const ALONE: f32 = 0.9999;
@@ -152,12 +154,37 @@ fn heaped(t: f32) -> f32 {
     return layer.detail * detail_fade(t) * (1.0 - DETAIL_MEAN);
 }
 
-// The detail at a place, less its mean.
-fn fine(z: vec2<f32>, height: f32) -> f32 {
+// A place in periods of the detail.
+fn detail_place(z: vec2<f32>, height: f32) -> vec3<f32> {
     // In the first chart's axes, so that it stands on the ground while the eye moves.
     let moved = displacement(layer.chart[0].a, layer.chart[0].c, z);
-    let at = vec3<f32>(layer.detail_origin, 0.0) + vec3<f32>(moved, height) * layer.detail_per_m;
-    return textureSampleLevel(detail, repeated, at, 0.0).r - DETAIL_MEAN;
+    return vec3<f32>(layer.detail_origin, 0.0) + vec3<f32>(moved, height) * layer.detail_per_m;
+}
+
+// The detail at a place, less its mean.
+fn fine(z: vec2<f32>, height: f32) -> f32 {
+    return textureSampleLevel(detail, repeated, detail_place(z, height), 0.0).r - DETAIL_MEAN;
+}
+
+// How much of density's variation inside the cloud is left at a range.
+fn variation(t: f32) -> f32 {
+    return select(0.0, layer.varied * (1.0 - smoothstep(VARIED_M.x, VARIED_M.y, t)), t < VARIED_M.y);
+}
+
+// Clumps of two sizes at a place, 0 on the mean: more water where positive.
+fn clumps(z: vec2<f32>, height: f32) -> f32 {
+    let at = detail_place(z, height);
+    let coarse = textureSampleLevel(detail, repeated, at, 0.0).r;
+    return coarse + textureSampleLevel(detail, repeated, at * layer.clumps_finer, 0.0).r - 2.0 * DETAIL_MEAN;
+}
+
+// Density at a place in the cloud over the layer's own: 1 on the mean.
+fn varied(p: vec3<f32>, height: f32, t: f32) -> f32 {
+    let share = variation(t);
+    if share == 0.0 {
+        return 1.0;
+    }
+    return clamp(1.0 + share * clumps(stereographic(p, camera.earth_m + height), height), LEAST_VARIED, 2.0 - LEAST_VARIED);
 }
 
 // Whether detail makes a difference to a margin.

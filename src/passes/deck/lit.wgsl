@@ -25,6 +25,8 @@ const SHADE_LEAST_SINE: f32 = 0.05;
 const PER_STERADIAN: f32 = 0.07957747;
 const BETWEEN_HEAPS: f32 = 0.5;
 const RELIEF_NEAR_M: f32 = 300.0;
+const CLUMP_SHADE_M: f32 = 80.0;
+const CLUMP_SHADE: f32 = 0.7;
 const GLOW_WIDTH_M: f32 = 512000.0;
 const GLOW_SLAB: f32 = 0.08;
 const CITY_COLOUR: vec3<f32> = vec3<f32>(1.0, 0.72, 0.42);
@@ -166,14 +168,21 @@ fn city_glow(p: vec3<f32>, height: f32, from_below: f32) -> vec3<f32> {
 }
 
 // What detail leaves of the source's light at a point, which light volumes do not know, against its mean: as much less as there
-// is more of it on the light's way, and less between heaps than on them, where light scatters out to all sides.
+// is more of it on the light's way, and less between heaps than on them, where light scatters out to all sides. Near the eye
+// clumps inside the cloud do it instead.
 fn relieved(p: vec3<f32>, height: f32, t: f32) -> f32 {
     var left = 1.0;
+    let near = variation(t);
+    if near > 0.0 {
+        let towards = layer.light_direction * CLUMP_SHADE_M;
+        let z = stereographic(p, camera.earth_m + height);
+        left = exp(-CLUMP_SHADE * near * clumps(z + towards.xy, height + towards.z));
+    }
     if t < layer.detail_fade_m.y {
         let towards = layer.light_direction * layer.relief_m;
         let z = stereographic(p, camera.earth_m + height);
         let more = fine(z + towards.xy, height + towards.z) - BETWEEN_HEAPS * fine(z, height);
-        left = exp(-layer.relief_depth * detail_fade(t) * smoothstep(0.0, RELIEF_NEAR_M, t) * more);
+        left *= exp(-layer.relief_depth * detail_fade(t) * smoothstep(0.0, RELIEF_NEAR_M, t) * more);
     }
     return left;
 }

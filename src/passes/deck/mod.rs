@@ -5,6 +5,7 @@
 //! only says which pixels are met and in what order; `march.wgsl` walks them pixel by pixel in a compute pass. `field.wgsl`
 //! stands before both. The twin walks the same pieces ray by ray and stops when nothing more can be seen.
 
+pub mod clumps;
 pub mod field;
 pub mod glow;
 pub mod instances;
@@ -136,10 +137,10 @@ pub struct Layer {
     pub relief_depth: f32,
     /// Ranges between which the detail fades, m.
     pub detail_fade_m: [f32; 2],
-    /// Pads to 16 bytes.
-    pub pad2: f32,
-    /// Pads to 16 bytes.
-    pub pad3: f32,
+    /// How much density varies inside the cloud, as a factor on clumps of detail; 0: the eye is not near.
+    pub varied: f32,
+    /// How many times finer than the detail the finer clumps are; whole, so that they wrap with it.
+    pub clumps_finer: f32,
     /// Middle of a sphere around all of a region's layer: east, north, height over the tangent plane, m.
     pub bound_m: [f32; 3],
     /// Its radius; 0: the layer has no bound.

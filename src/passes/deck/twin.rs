@@ -1,5 +1,6 @@
 //! Twin of `march.wgsl` and `deck.wgsl`: walks the crossings of a ray with slices and rings from near to far.
 
+use super::clumps::varied;
 use super::field::{Look, Textures, city_glow, light_at, look, relieved, shown, source, view};
 use super::spans::{Heights, Leg};
 use super::{FLASH_COLOUR, Layer, RING_SHARE, RING_SLICES};
@@ -219,8 +220,9 @@ impl Ray<'_> {
     fn gather(&self, prepared: &Prepared, t: f32, path_m: f32, gathered: &mut Gathered) {
         let layer = prepared.layer;
         let height = self.camera.height_at(self.direction.z, t);
-        let alpha = 1.0 - (-layer.extinction_per_m * path_m).exp();
         let p = self.direction * t + Vec3::new(0.0, 0.0, self.camera.eye_m);
+        let density = varied(layer, &prepared.textures, self.camera.earth_m, p, height, t);
+        let alpha = 1.0 - (-layer.extinction_per_m * path_m * density).exp();
         let passed = self.camera.air_transmittance(height, t);
         let light = light_at(layer, &prepared.textures, self.camera.earth_m, p, height);
         let shown = shown(layer, &prepared.textures, self.camera.earth_m, p, height)

@@ -105,7 +105,7 @@ fn seen_between(view: View, near: f32, far: f32, at: f32, end: f32) -> Seen {
         let height = height_at(view.direction.z, t);
         let p = view.direction * t + vec3<f32>(0.0, 0.0, camera.eye_m);
         let passed = air_transmittance(height, t);
-        seen.alpha = 1.0 - exp(-depth);
+        seen.alpha = 1.0 - exp(-depth * varied(p, height, t));
         seen.light = source(light_at(p, height), view, p, height, t) * (passed * seen.alpha);
         seen.hidden = (1.0 - passed) * seen.alpha;
     }

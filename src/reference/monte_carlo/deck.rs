@@ -5,6 +5,7 @@ use super::{Scene, Surroundings};
 use crate::clouds::density::DensityVolume;
 use crate::clouds::{detail, modulation};
 use crate::passes::common::Camera;
+use crate::passes::deck::clumps::varied;
 use crate::passes::deck::field::{Textures, column_bounds, margin};
 use crate::plan::{FramePlan, LayerPlan};
 use crate::scattering::phase::Phase;
@@ -41,7 +42,11 @@ impl<'a> Deck<'a> {
             let volume = DensityVolume::of(plan.kind);
             Held { plan, bounds: column_bounds(&volume.shape), volume }
         };
-        let majorant = plan.layers.iter().map(|l| f64::from(l.layer.extinction_per_m)).sum();
+        let majorant = plan
+            .layers
+            .iter()
+            .map(|l| f64::from(l.layer.extinction_per_m) * if l.layer.varied > 0.0 { 2.0 } else { 1.0 })
+            .sum();
         Some(Self { camera: plan.camera, layers: plan.layers.iter().map(held).collect(), base_m, top_m, majorant })
     }
 
@@ -92,7 +97,10 @@ impl Scene for Deck<'_> {
             };
             let inside = margin(layer, &textures, self.camera.earth_m, p.as_vec3(), height as f32, range as f32);
             let whole = (inside * layer.inverse_edge).clamp(0.0, 1.0);
-            sum += f64::from(layer.extinction_per_m * whole);
+            if whole > 0.0 {
+                let density = varied(layer, &textures, self.camera.earth_m, p.as_vec3(), height as f32, range as f32);
+                sum += f64::from(layer.extinction_per_m * whole * density);
+            }
         }
         sum
     }
