@@ -43,7 +43,7 @@ const VARIED: f32 = 2.8;
 /// Period of the finer clumps, m: the largest are a sixth of it, the smallest some thirty metres.
 const CLUMPS_M: f32 = 750.0;
 /// Shortest step where clumps are flown through, m: half of the smallest.
-const CLUMPED_STEP_M: f32 = 15.0;
+const CLUMPED_STEP_M: f32 = 20.0;
 
 /// How far something at a height can be seen over the curved Earth.
 pub fn extent_m(eye: &Eye, height_m: f64) -> f64 {

@@ -17,7 +17,7 @@ const LEAST_VARIED: f32 = 0.1;
 const CLUMP_SHADE_M: f32 = 80.0;
 /// What a clump of twice the density takes of the light that comes through it, as an exponent: of the light deep in a cloud the net
 /// flux is a sixth or so, and the light falls by `3 (1 - g) sigma` times it (diffusion, sigma 0.05/m, g 0.85).
-const CLUMP_SHADE: f32 = 0.7;
+const CLUMP_SHADE: f32 = 1.0;
 
 /// How much of density's variation inside the cloud is left at a range.
 fn variation(layer: &Layer, t_m: f32) -> f32 {
@@ -48,5 +48,5 @@ pub fn shaded(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_
     }
     let towards = Vec3::from(layer.light_direction) * CLUMP_SHADE_M;
     let z = stereographic(p, earth_m, earth_m + height_m) + towards.truncate();
-    (-CLUMP_SHADE * share * clumps(layer, textures, z, height_m + towards.z)).exp()
+    (-CLUMP_SHADE * share * fine(layer, textures, z, height_m + towards.z, 1.0)).exp()
 }

@@ -26,7 +26,7 @@ const PER_STERADIAN: f32 = 0.07957747;
 const BETWEEN_HEAPS: f32 = 0.5;
 const RELIEF_NEAR_M: f32 = 300.0;
 const CLUMP_SHADE_M: f32 = 80.0;
-const CLUMP_SHADE: f32 = 0.7;
+const CLUMP_SHADE: f32 = 1.0;
 const GLOW_WIDTH_M: f32 = 512000.0;
 const GLOW_SLAB: f32 = 0.08;
 const CITY_COLOUR: vec3<f32> = vec3<f32>(1.0, 0.72, 0.42);
@@ -176,7 +176,7 @@ fn relieved(p: vec3<f32>, height: f32, t: f32) -> f32 {
     if near > 0.0 {
         let towards = layer.light_direction * CLUMP_SHADE_M;
         let z = stereographic(p, camera.earth_m + height);
-        left = exp(-CLUMP_SHADE * near * clumps(z + towards.xy, height + towards.z));
+        left = exp(-CLUMP_SHADE * near * fine(z + towards.xy, height + towards.z));
     }
     if t < layer.detail_fade_m.y {
         let towards = layer.light_direction * layer.relief_m;
