@@ -47,7 +47,8 @@ pub fn energies(
             if power <= 0.0 {
                 return Energy::default();
             }
-            let (a, d, s) = (absorbed[l] / power, direct.escaped_w / power, escaped[l] / power);
+            let (a, d) = (absorbed[l] / power, direct.escaped_w / power);
+            let s = (escaped[l] + direct.escaped_early_w) / power;
             Energy { absorbed: a, escaped_direct: d, escaped_diffuse: s, imbalance: 1.0 - a - d - s }
         })
         .collect()

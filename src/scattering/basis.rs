@@ -161,26 +161,49 @@ impl Recipe {
         } else {
             solver
         };
-        let points: Vec<[PointSource; 1]> = lights
+        let point = |light: usize| {
+            let (p, h) = (self.lights.position_m(light), self.medium.spacing_m);
+            let position_m = [p[0] - corner[0] as f64 * h[0], p[1] - corner[1] as f64 * h[1], p[2]];
+            [PointSource { position_m, intensity: 1.0 }]
+        };
+        let (cells, scattered) = (self.medium.len(), solver.scattered());
+        // What collisions even out needs no bytes.
+        let stored = |mut moments: Vec<f32>| {
+            for (field, share) in moments.chunks_mut(cells).zip(&scattered) {
+                field.iter_mut().for_each(|v| *v *= share);
+            }
+            moments
+        };
+        // Each light alone where that can be: it stops when it has converged and its numbers stay near the processor.
+        let alone: Option<Vec<Vec<f32>>> = lights
+            .clone()
             .map(|light| {
-                let p = self.lights.position_m(light);
-                let h = self.medium.spacing_m;
-                let position_m = [p[0] - corner[0] as f64 * h[0], p[1] - corner[1] as f64 * h[1], p[2]];
-                [PointSource { position_m, intensity: 1.0 }]
+                let solved = match self.content {
+                    Content::Total => {
+                        solver.towards_one(&solver.direct(&point(light)), false).map(|s| s.map(|(towards, _)| towards))
+                    }
+                    Content::Diffuse => {
+                        solver.diffuse_one(&solver.direct_moments(&point(light))).map(|solved| solved.map(stored))
+                    }
+                };
+                solved.transpose()
             })
-            .collect();
+            .collect::<Result<_, _>>()?;
+        if let Some(fields) = alone {
+            return Ok(fields);
+        }
+        let points: Vec<[PointSource; 1]> = lights.map(point).collect();
         let lanes: Vec<&[PointSource]> = points.iter().map(|p| &p[..]).collect();
         let (solved, _) = solver.solve(&lanes)?;
-        let (cells, moments) = (self.medium.len(), self.components());
-        let scattered = solver.scattered();
+        let moments = self.components();
         Ok(solved
             .into_iter()
             .map(|light| match self.content {
                 Content::Total => light.towards,
-                // From cell by cell to moment by moment; what collisions even out needs no bytes.
-                Content::Diffuse => (0..moments * cells)
-                    .map(|i| scattered[i / cells] * light.diffuse[i % cells * moments + i / cells])
-                    .collect(),
+                // From cell by cell to moment by moment.
+                Content::Diffuse => {
+                    stored((0..moments * cells).map(|i| light.diffuse[i % cells * moments + i / cells]).collect())
+                }
             })
             .collect())
     }

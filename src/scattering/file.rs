@@ -14,7 +14,7 @@ use half::f16;
 /// First bytes of every basis file.
 pub const MAGIC: &[u8; 8] = b"SDBASIS\0";
 /// Version of the format.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 /// Light number of the trailer.
 const TRAILER: u32 = u32::MAX;
 /// Most levels of lights and most lights a level; their product has its own limit.

@@ -4,6 +4,7 @@ mod lone;
 mod sweep;
 
 pub use lone::Lone;
+use lone::Shares;
 
 use super::angles::{Angles, MOST_MOMENTS};
 use super::direct::{Direct, NO_TILT};
@@ -11,7 +12,7 @@ use super::lanes::{Lanes, dispatch};
 use super::medium::Medium;
 use super::path::{Path, Weights, plane_axes, weights};
 use super::surface::Surface;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use sweep::{light_ground, sweep};
 
 /// Transport through one medium: everything that does not depend on the source.
@@ -34,6 +35,8 @@ pub struct Operator {
     lowest: Vec<f32>,
     /// Directions in the order of the sweep: down, level, up, so that the ground is lit before it lights.
     order: Vec<usize>,
+    /// For sources alone, made when first asked for.
+    shares: OnceLock<Option<Shares>>,
 }
 
 /// What comes with direct light: light on the ground, and the rise of the scattered light over cells around sources.
@@ -91,12 +94,19 @@ impl Operator {
             lowest: medium.extinction_per_m[..area].iter().map(|s| s * half).collect(),
             paths,
             order,
+            shares: OnceLock::new(),
         }
     }
 
     /// Memory that it takes, bytes, but for what solvers share.
     pub fn memory_bytes(&self) -> usize {
-        size_of_val(self.weights.as_slice()) + size_of_val(self.lowest.as_slice())
+        let alone = self.shares.get().and_then(Option::as_ref).map_or(0, Shares::memory_bytes);
+        size_of_val(self.weights.as_slice()) + size_of_val(self.lowest.as_slice()) + alone
+    }
+
+    /// What sources alone need; `None` where they cannot be swept alone.
+    fn shares(&self) -> Option<&Shares> {
+        self.shares.get_or_init(|| Shares::new(self)).as_ref()
     }
 
     /// Number of cells.

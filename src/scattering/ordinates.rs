@@ -11,7 +11,7 @@ mod lone;
 
 use super::angles::Angles;
 use super::balance::{Energy, energies};
-use super::direct::{Direct, Rays};
+use super::direct::{Direct, Early, Rays, With};
 use super::krylov::{self, Holding, Method};
 use super::lanes::{LANES, Lanes};
 use super::medium::Medium;
@@ -162,6 +162,8 @@ pub struct Solver {
     medium: Medium,
     params: Params,
     operator: Operator,
+    /// Where cells are thick.
+    early: Option<Early>,
     shared: Arc<Shared>,
 }
 
@@ -228,7 +230,8 @@ impl Solver {
             spacing_m: [medium.spacing_m[0], medium.spacing_m[1]],
         });
         let operator = Operator::new(&medium, &shared.angles, &shared.scattering, ground);
-        Self { medium, params, operator, shared }
+        let early = Early::new(&medium, &shared.scattering);
+        Self { medium, params, operator, early, shared }
     }
 
     /// Directions of the results.
@@ -262,15 +265,34 @@ impl Solver {
         self.direct_of_clusters(&points.iter().map(std::slice::from_ref).collect::<Vec<_>>())
     }
 
+    /// [`Solver::direct`] without what it scatters into each direction ([`Direct::towards`] is empty): for
+    /// diffuse light alone, in half the time.
+    pub(super) fn direct_moments(&self, points: &[PointSource]) -> Direct {
+        self.direct_into(&points.iter().map(std::slice::from_ref).collect::<Vec<_>>(), false)
+    }
+
     /// Direct light of clusters of points: far cells see a cluster in its middle.
     pub fn direct_of_clusters(&self, clusters: &[&[PointSource]]) -> Direct {
+        self.direct_into(clusters, true)
+    }
+
+    fn direct_into(&self, clusters: &[&[PointSource]], towards: bool) -> Direct {
         let columns = self.params.ground.map_or(0, |_| self.medium.cells[0] * self.medium.cells[1]);
         let mut direct = Direct::dark(self.medium.len(), &self.shared.angles, columns);
+        if !towards {
+            direct.towards = Vec::new();
+        }
         let many = usize::from(clusters.iter().map(|c| c.len()).sum::<usize>() > MANY);
         for cluster in clusters {
             let sources: Vec<_> = cluster.iter().map(|p| (p.position_m, p.intensity)).collect();
-            let with = (&*self.shared.angles, &self.shared.rays[many], self.params.phase);
-            direct.add(&self.medium, &sources, with, self.params.ground.map(|g| g.depth_m));
+            let with = With {
+                angles: &self.shared.angles,
+                rays: &self.shared.rays[many],
+                phase: self.params.phase,
+                early: self.early,
+                ground_depth_m: self.params.ground.map(|g| g.depth_m),
+            };
+            direct.add(&self.medium, &sources, with);
         }
         direct
     }
@@ -315,7 +337,9 @@ impl Solver {
         let x = again;
         let mut all = x.clone();
         add(&mut all, &first);
+        add_lists(&mut all, directs.iter().map(|d| &d.settled[..]));
         let energy = energies(operator, &self.medium, &work, (&all, &self.shared.scattering), directs, power);
+        add_lists(&mut work.radiance, directs.iter().map(|d| &d.arrived[..]));
         let mut towards = once.1;
         reconstruct::diffuse(&self.shared.matrix, &work.radiance, self.medium.len(), &mut towards);
         let mut info =
@@ -350,6 +374,7 @@ impl Solver {
         let dark = Direct::dark(self.medium.len(), &self.shared.angles, direct.ground.len());
         let first = operator.first(&[dark, direct.clone()]);
         operator.apply(&given, Some(&first), &mut work, &mut out);
+        add_lists(&mut work.radiance, std::iter::once(&direct.arrived[..]));
         let radiance: Vec<f32> = work.radiance.iter().map(|r| r.0[0] + r.0[1]).collect();
         let albedo = self.params.albedo as f32;
         let diffuse = reconstruct::diffuse_one(&self.shared.matrix, &radiance, self.medium.len());
@@ -383,7 +408,10 @@ impl Solver {
             single: direct.towards.iter().map(|s| albedo * s).collect(),
             diffuse: diffuse.iter().map(|d| d.0[lane]).collect(),
             fluence: (0..self.medium.len())
-                .map(|c| whole * (diffuse[c * nk].0[lane] + direct.moments[c * nk]).max(0.0))
+                .map(|c| {
+                    let settled = direct.settled.get(c * nk).copied().unwrap_or(0.0);
+                    whole * (diffuse[c * nk].0[lane] + direct.moments[c * nk] + settled).max(0.0)
+                })
                 .collect(),
             energy,
         };
@@ -408,12 +436,17 @@ fn add(to: &mut [Lanes], what: &[Lanes]) {
 
 fn interleave<'a>(lists: impl Iterator<Item = &'a [f32]>, size: usize) -> Vec<Lanes> {
     let mut out = vec![Lanes::ZERO; size];
+    add_lists(&mut out, lists);
+    out
+}
+
+/// Adds one list a lane; empty ones are dark.
+fn add_lists<'a>(to: &mut [Lanes], lists: impl Iterator<Item = &'a [f32]>) {
     for (l, list) in lists.enumerate() {
-        for (o, v) in out.iter_mut().zip(list) {
-            o.0[l] = *v;
+        for (o, v) in to.iter_mut().zip(list) {
+            o.0[l] += *v;
         }
     }
-    out
 }
 
 /// Whether parameters can be solved by.

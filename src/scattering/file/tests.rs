@@ -73,10 +73,10 @@ fn what_is_wrong_is_told() {
     assert_eq!(read(b""), Err(FileError::Foreign));
     assert_eq!(read(b"PNG and so on, long enough"), Err(FileError::Foreign));
     let mut future = bytes.clone();
-    future[8] = 3;
-    assert_eq!(read(&future).err(), Some(FileError::Version(3)));
-    future[8] = 1;
-    assert_eq!(read(&future).err(), Some(FileError::Version(1)), "and a past one: its fields mean something else");
+    future[8] = 4;
+    assert_eq!(read(&future).err(), Some(FileError::Version(4)));
+    future[8] = 2;
+    assert_eq!(read(&future).err(), Some(FileError::Version(2)), "and a past one: its fields mean something else");
     let mut header_hit = bytes.clone();
     header_hit[30] ^= 1;
     assert_eq!(read(&header_hit), Err(FileError::Damaged("the header".into())));

@@ -4,7 +4,7 @@
 //! Planes across the east axis are turned on the way in and out. The transport is that of the parent, number for number up to
 //! the order of sums.
 
-use super::{First, NO_TILT, Operator, Work, plane_axes};
+use super::{First, NO_TILT, Operator, Weights, Work, plane_axes};
 use crate::scattering::angles::MOST_MOMENTS;
 use crate::scattering::lanes::{LANES, Lanes, dispatch};
 use rayon::prelude::*;
@@ -12,17 +12,19 @@ use rayon::prelude::*;
 /// An operator made ready for one source.
 pub struct Lone<'a> {
     operator: &'a Operator,
-    /// What cells do to the light of a direction, in the order of its sweep: directions times sixteenths of the cells.
-    weights: Vec<Share>,
+    shares: &'a Shares,
+    /// Whether directions are swept on all threads; not where sources are.
+    spread_out: bool,
 }
 
-/// [`super::Weights`] of sixteen cells; those of the source's slope are 0 where they are too small to matter.
-#[derive(Clone, Copy)]
-pub struct Share {
-    lost: Lanes,
-    share: Lanes,
-    tilt: Lanes,
-    lean: Lanes,
+/// What cells do to the light of every direction: [`super::Weights`] of sixteen cells an entry, in the order of the sweep. Directions
+/// whose planes lie across the same axis at the same distance lose alike, and opposites tilt alike: they share, so that all
+/// of it stays near the processor.
+pub struct Shares {
+    lost: Vec<[Lanes; 2]>,
+    tilted: Vec<[Lanes; 2]>,
+    /// Where a direction's entries begin in either.
+    starts: Vec<[usize; 2]>,
 }
 
 /// The order of a direction's sweep: planes, rows of a plane, cells of a row.
@@ -49,31 +51,60 @@ impl Order {
     }
 }
 
-impl<'a> Lone<'a> {
+impl Shares {
     /// For an operator without ground whose rows of cells fill the lanes; `None` for others.
-    pub fn new(operator: &'a Operator) -> Option<Self> {
+    pub fn new(operator: &Operator) -> Option<Self> {
         let n = operator.cells;
         if operator.ground.is_some() || !n[0].is_multiple_of(LANES) || !n[1].is_multiple_of(LANES) {
             return None;
         }
         let cells = operator.len();
-        let zero = Share { lost: Lanes::ZERO, share: Lanes::ZERO, tilt: Lanes::ZERO, lean: Lanes::ZERO };
-        let mut weights = vec![zero; operator.paths.len() * cells / LANES];
-        for ((path, from), to) in
-            operator.paths.iter().zip(operator.weights.chunks(cells)).zip(weights.chunks_mut(cells / LANES))
-        {
+        let mut all = Self { lost: Vec::new(), tilted: Vec::new(), starts: vec![[0; 2]; operator.paths.len()] };
+        let mut classes: Vec<(usize, f64, usize)> = Vec::new();
+        for (m, (path, from)) in operator.paths.iter().zip(operator.weights.chunks(cells)).enumerate() {
             let order = Order::new(n, path.axis);
-            for (i, share) in to.iter_mut().enumerate() {
-                for lane in 0..LANES {
-                    let w = &from[order.cell(i * LANES + lane)];
-                    (share.lost.0[lane], share.share.0[lane]) = (w.lost, w.share);
-                    if w.lean > 1e-4 {
-                        (share.tilt.0[lane], share.lean.0[lane]) = (w.tilt, w.lean);
+            let entries = |pick: &dyn Fn(&Weights) -> [f32; 2]| -> Vec<[Lanes; 2]> {
+                let mut out = vec![[Lanes::ZERO; 2]; cells / LANES];
+                for (i, out) in out.iter_mut().enumerate() {
+                    for lane in 0..LANES {
+                        let [a, b] = pick(&from[order.cell(i * LANES + lane)]);
+                        (out[0].0[lane], out[1].0[lane]) = (a, b);
                     }
                 }
-            }
+                out
+            };
+            let like = |(axis, length, _): &&(usize, f64, usize)| {
+                *axis == path.axis && (length / path.length_m - 1.0).abs() < 1e-12
+            };
+            let lost = classes.iter().find(like).map(|class| class.2);
+            let lost = lost.unwrap_or_else(|| {
+                classes.push((path.axis, path.length_m, all.lost.len()));
+                all.lost.extend(entries(&|w| [w.lost, w.share]));
+                all.lost.len() - cells / LANES
+            });
+            let opposite = operator.angles.set.opposite[m];
+            let tilted = if opposite < m {
+                all.starts[opposite][1]
+            } else {
+                // Too small to matter: 0.
+                all.tilted.extend(entries(&|w| if w.lean > 1e-4 { [w.tilt, w.lean] } else { [0.0; 2] }));
+                all.tilted.len() - cells / LANES
+            };
+            all.starts[m] = [lost, tilted];
         }
-        Some(Self { operator, weights })
+        Some(all)
+    }
+
+    /// Memory that it takes, bytes.
+    pub fn memory_bytes(&self) -> usize {
+        size_of_val(self.lost.as_slice()) + size_of_val(self.tilted.as_slice())
+    }
+}
+
+impl<'a> Lone<'a> {
+    /// `None` where sources cannot be swept alone ([`Shares::new`]).
+    pub fn new(operator: &'a Operator, spread_out: bool) -> Option<Self> {
+        operator.shares().map(|shares| Self { operator, shares, spread_out })
     }
 
     /// Room for source and radiance.
@@ -99,12 +130,21 @@ impl<'a> Lone<'a> {
         let operator = self.operator;
         let blocks = operator.len() / LANES;
         spread(operator, given, &mut work.source);
-        let each = work.radiance.par_chunks_mut(blocks).zip(work.source.par_chunks(blocks)).enumerate();
-        each.for_each(|(m, (radiance, source))| {
+        let one = |room: &mut Room, m: usize, radiance: &mut [Lanes], source: &[Lanes]| {
             let known = first.map(|first| self.known(first, m));
+            let [lost, tilted] = self.shares.starts[m];
+            let weights = (&self.shares.lost[lost..][..blocks], &self.shares.tilted[tilted..][..blocks]);
             let to: &mut [f32] = bytemuck::cast_slice_mut(radiance);
-            sweep(operator, m, &self.weights[m * blocks..][..blocks], bytemuck::cast_slice(source), known.as_ref(), to);
-        });
+            sweep(operator, m, weights, bytemuck::cast_slice(source), known.as_ref(), room, to);
+        };
+        if self.spread_out && rayon::current_num_threads() > 1 {
+            let each = work.radiance.par_chunks_mut(blocks).zip(work.source.par_chunks(blocks)).enumerate();
+            each.for_each_init(Room::default, |room, (m, (radiance, source))| one(room, m, radiance, source));
+        } else {
+            let mut room = Room::default();
+            let each = work.radiance.chunks_mut(blocks).zip(work.source.chunks(blocks)).enumerate();
+            each.for_each(|(m, (radiance, source))| one(&mut room, m, radiance, source));
+        }
         gather(operator, &work.radiance, out);
     }
 
@@ -126,6 +166,14 @@ impl<'a> Lone<'a> {
     }
 }
 
+/// Room for one direction's sweep.
+#[derive(Default)]
+pub struct Room {
+    source: Vec<f32>,
+    entering: Vec<f32>,
+    leaving: Vec<f32>,
+}
+
 /// Where the rise of the source over a cell is known.
 pub struct Known {
     there: Vec<f32>,
@@ -141,7 +189,8 @@ dispatch! {
 dispatch! {
     /// Light of one direction, plane by plane downwind; `source` and `radiance` cell by cell.
     fn sweep(
-        operator: &Operator, m: usize, weights: &[Share], source: &[f32], known: Option<&Known>, radiance: &mut [f32]
+        operator: &Operator, m: usize, weights: (&[[Lanes; 2]], &[[Lanes; 2]]), source: &[f32], known: Option<&Known>,
+        room: &mut Room, radiance: &mut [f32]
     ) => sweep_body
 }
 
@@ -178,9 +227,10 @@ fn load(from: &[f32], at: usize) -> Lanes {
 fn sweep_body(
     operator: &Operator,
     m: usize,
-    weights: &[Share],
+    (losses, tilts): (&[[Lanes; 2]], &[[Lanes; 2]]),
     source: &[f32],
     known: Option<&Known>,
+    room: &mut Room,
     radiance: &mut [f32],
 ) {
     let path = &operator.paths[m];
@@ -189,8 +239,13 @@ fn sweep_body(
     // source.
     let wide = order.row + 2;
     let face = wide * (order.rows + 2);
-    let source = framed(&order, source);
-    let (mut entering, mut leaving) = (vec![0.0_f32; face], vec![0.0_f32; face]);
+    framed(&order, source, &mut room.source);
+    let source = &room.source[..];
+    for light in [&mut room.entering, &mut room.leaving] {
+        light.clear();
+        light.resize(face, 0.0);
+    }
+    let (mut entering, mut leaving) = (&mut room.entering[..], &mut room.leaving[..]);
     let taps: Vec<(isize, f32)> = path.taps.iter().map(|t| (t.v * wide as isize + t.u, t.weight)).collect();
     let turned = order.stride[2] != 1;
     for p in 0..order.planes {
@@ -206,10 +261,10 @@ fn sweep_body(
                 let (mut light, mut slope) = (Lanes::ZERO, Lanes::ZERO);
                 for (tap, weight) in &taps {
                     if p > 0 {
-                        light = light.plus(*weight, &load(&entering, here.wrapping_add_signed(*tap)));
+                        light = light.plus(*weight, &load(entering, here.wrapping_add_signed(*tap)));
                     }
-                    let rise = load(&source, ahead.wrapping_add_signed(-tap))
-                        .plus(-1.0, &load(&source, behind.wrapping_add_signed(*tap)));
+                    let rise = load(source, ahead.wrapping_add_signed(-tap))
+                        .plus(-1.0, &load(source, behind.wrapping_add_signed(*tap)));
                     slope = slope.plus(*weight, &rise);
                 }
                 let at = (plane * order.rows + v) * order.row + u;
@@ -217,11 +272,11 @@ fn sweep_body(
                     let instead = load(&known.slope, at).plus(-1.0, &slope);
                     slope = slope.plus(1.0, &instead.times(&load(&known.there, at)));
                 }
-                let w = &weights[at / LANES];
-                let own = load(&source, own);
+                let ([lost, share], [tilt, lean]) = (&losses[at / LANES], &tilts[at / LANES]);
+                let own = load(source, own);
                 let difference = own.plus(-1.0, &light);
-                let mean = own.plus(-1.0, &difference.times(&w.share).plus(1.0, &slope.times(&w.lean)));
-                let out = light.plus(1.0, &difference.times(&w.lost).plus(1.0, &slope.times(&w.tilt)));
+                let mean = own.plus(-1.0, &difference.times(share).plus(1.0, &slope.times(lean)));
+                let out = light.plus(1.0, &difference.times(lost).plus(1.0, &slope.times(tilt)));
                 leaving[here..here + LANES].copy_from_slice(&out.0);
                 if turned {
                     for (lane, mean) in mean.0.iter().enumerate() {
@@ -238,10 +293,10 @@ fn sweep_body(
 
 /// The source in the order of a sweep with a frame around each plane.
 #[inline(always)]
-fn framed(order: &Order, source: &[f32]) -> Vec<f32> {
+fn framed(order: &Order, source: &[f32], out: &mut Vec<f32>) {
     let wide = order.row + 2;
     let face = wide * (order.rows + 2);
-    let mut out = vec![0.0; face * order.planes];
+    out.resize(face * order.planes, 0.0);
     for (plane, out) in out.chunks_exact_mut(face).enumerate() {
         for v in 0..order.rows {
             let row = &mut out[(v + 1) * wide..][..wide];
@@ -258,7 +313,6 @@ fn framed(order: &Order, source: &[f32]) -> Vec<f32> {
         out.copy_within(wide..2 * wide, 0);
         out.copy_within(order.rows * wide..(order.rows + 1) * wide, (order.rows + 1) * wide);
     }
-    out
 }
 
 #[cfg(test)]
