@@ -43,6 +43,7 @@ fn cases(run: &mut Run) -> Result<(), Stopped> {
     if run.quick() {
         return Ok(());
     }
+    larger_bakes(run)?;
     dense(run, &medium, &relighter, &bolts)?;
     deeper(run)
 }
@@ -71,7 +72,7 @@ fn bake(run: &mut Run, medium: &Medium) -> Result<[Basis; 2], Stopped> {
     let mut made = Vec::new();
     for content in [Content::Total, Content::Diffuse] {
         let mut last = None;
-        for threads in if content == Content::Total { &counts[..1] } else { &counts[..] } {
+        for threads in &counts {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(*threads).build().map_err(failed)?;
             let (basis, time_s) = measure(1, || pool.install(|| Basis::bake(recipe(content))));
             let basis = basis.map_err(failed)?;
@@ -88,6 +89,46 @@ fn bake(run: &mut Run, medium: &Medium) -> Result<[Basis; 2], Stopped> {
         made.extend(last);
     }
     made.try_into().map_err(|_| failed("no basis"))
+}
+
+/// Shares of larger bakes: eight times the paper's cells, and a deck as it is drawn.
+fn larger_bakes(run: &mut Run) -> Result<(), Stopped> {
+    const SHARES: usize = 25;
+    for (name, medium, below_m) in
+        [("64x64x8", cloud([64, 64, 8], [0.5; 3], 0.5)?, 4.0), ("stratocumulus, cells of 500 m", deck()?, 1_000.0)]
+    {
+        let lights = Lights::even([20, 20, 7], medium.size_m(), below_m, medium.periodic).map_err(failed)?;
+        for content in [Content::Total, Content::Diffuse] {
+            let (medium, lights) = (medium.clone(), lights.clone());
+            let albedo = if medium.periodic { 0.9999 } else { params().albedo };
+            let params = Params { albedo, ..params() };
+            let recipe = Recipe { medium, params, lights, content, packing: content.usual_packing() };
+            let share = recipe.share(SHARES / 2, SHARES);
+            let mut bytes = 0;
+            let (baked, time_s) = measure(1, || {
+                recipe.bake(share.clone(), |_, block| {
+                    bytes += block.bytes();
+                    Ok::<(), Stopped>(())
+                })
+            });
+            baked.map_err(failed)?;
+            let case = Case::new(format!("bake of a 25th of the lights, {name}"), format!("{content:?}"))
+                .param("threads", rayon::current_num_threads())
+                .param("whole bake, s", SHARES as f64 * time_s.median)
+                .memory((bytes * SHARES) as u64)
+                .time(time_s)
+                .note("the middle 25th; memory is that of the whole table");
+            run.record(case)?;
+        }
+    }
+    Ok(())
+}
+
+/// Stratocumulus that covers the sky, in the cells of a table.
+fn deck() -> Result<Medium, Stopped> {
+    let kind = CloudKind::Stratocumulus;
+    let theta = Coverage::of(kind).threshold(1.0).typical;
+    Deck { kind, theta, density: 1.0, thickness_m: 500.0 }.medium([32, 32, 4]).map_err(failed)
 }
 
 /// Every method on some bolts.
@@ -197,13 +238,10 @@ fn dense(run: &mut Run, medium: &Medium, relighter: &Relighter, bolts: &[Vec<Poi
 
 /// A cloud whose cells are ten deep, and a deck as it is drawn.
 fn deeper(run: &mut Run) -> Result<(), Stopped> {
-    let kind = CloudKind::Stratocumulus;
-    let theta = Coverage::of(kind).threshold(1.0).typical;
-    let deck = Deck { kind, theta, density: 1.0, thickness_m: 500.0 };
     for (name, medium) in [
         ("depth 4 a cell", cloud([32, 32, 4], [1.0; 3], 4.0)?),
         ("depth 10 a cell", cloud([32, 32, 4], [1.0; 3], 10.0)?),
-        ("stratocumulus, cells of 500 m", deck.medium([32, 32, 4]).map_err(failed)?),
+        ("stratocumulus, cells of 500 m", deck()?),
     ] {
         let [x, y, z] = medium.size_m();
         let below_m = if medium.periodic { 1_000.0 } else { z };

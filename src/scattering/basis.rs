@@ -263,7 +263,7 @@ impl Basis {
 
     /// Bytes of the coefficients.
     pub fn bytes(&self) -> usize {
-        self.blocks.iter().map(|b| b.bytes(self.recipe.medium.len())).sum()
+        self.blocks.iter().map(Block::bytes).sum()
     }
 
     /// Relative error of storing, over all lights (root of summed squares).
@@ -319,7 +319,7 @@ pub(super) mod tests {
         let whole = Basis::bake(recipe.clone()).expect("baked");
         let part = Basis::bake_for(recipe, &BTreeSet::from([17, 18])).expect("baked");
         assert!(part.blocks.iter().zip(&whole.blocks).enumerate().all(|(light, (part, whole))| {
-            if (16..32).contains(&light) { part == whole } else { part.indices.is_empty() }
+            if (16..32).contains(&light) { part == whole } else { part.values.is_empty() }
         }));
     }
 

@@ -3,8 +3,8 @@
 //! *What it is.* A field per component (direction, or spherical harmonic) on the grid. *How we compute it.* Orthonormal 3D
 //! Haar (Dobashi et al. 2007, section 6), then every coefficient below a threshold is dropped. The paper's threshold is in units that it
 //! does not give; here it is relative to a stated norm, the light of 1 W/sr at one cell's edge (times the root of the
-//! number of cells, the length of a uniform field). *How we store it.* Index and value of what is left, values as f32,
-//! f16 or one byte (sign and logarithm). *How we read it back.* [`Sum`] adds weighted coefficients (eq. 9) and transforms back once (eq. 8).
+//! number of cells, the length of a uniform field). *How we store it.* Place and value of what is left, values as f32,
+//! f16 or one byte (sign and logarithm), places as bytes of how many cells lie between. *How we read it back.* [`Sum`] adds weighted coefficients (eq. 9) and transforms back once (eq. 8).
 
 use crate::numeric::haar::Haar;
 use half::f16;
@@ -53,8 +53,9 @@ pub struct Block {
     pub means: Vec<f32>,
     /// Greatest coefficient of each component (the scale of [`Width::Log8`]).
     pub scales: Vec<f32>,
-    /// Places of the kept coefficients, component by component, ascending in each.
-    pub indices: Vec<u32>,
+    /// Where the kept coefficients lie, component by component: for each a byte of how many cells are left out before it; a
+    /// byte of 255 leaves out 255 cells and keeps none.
+    pub gaps: Vec<u8>,
     /// Their values.
     pub values: Values,
     /// Sum of squares of all coefficients, and of the error of storing them.
@@ -88,7 +89,7 @@ impl Block {
             gammas: Vec::new(),
             means: Vec::new(),
             scales: Vec::new(),
-            indices: Vec::new(),
+            gaps: Vec::new(),
             values: match packing.width {
                 Width::F32 => Values::F32(Vec::new()),
                 Width::F16 => Values::F16(Vec::new()),
@@ -101,7 +102,7 @@ impl Block {
             let scale = field.iter().fold(0.0_f32, |m, c| m.max(c.abs()));
             // A byte reaches no further down.
             let limit = if packing.width == Width::Log8 { limit.max(scale * STEP.powi(-126)) } else { limit };
-            let (mut count, mut dropped, mut mean) = (0, 0.0_f64, 0.0);
+            let (mut count, mut dropped, mut mean, mut next) = (0, 0.0_f64, 0.0, 0);
             for (index, value) in field.iter().enumerate() {
                 let square = f64::from(*value) * f64::from(*value);
                 block.squares[0] += square;
@@ -113,7 +114,13 @@ impl Block {
                     continue;
                 }
                 count += 1;
-                block.indices.push(index as u32);
+                let mut gap = index - next;
+                while gap >= usize::from(LONG) {
+                    block.gaps.push(LONG);
+                    gap -= usize::from(LONG);
+                }
+                block.gaps.push(gap as u8);
+                next = index + 1;
                 let stored = block.values.push(*value, scale);
                 block.squares[1] += f64::from(value - stored).powi(2);
             }
@@ -126,15 +133,40 @@ impl Block {
         block
     }
 
-    /// Bytes that it takes in memory, where every place has four.
-    pub fn memory_bytes(&self) -> usize {
-        self.indices.len() * (4 + self.values.width()) + self.counts.len() * 16
+    /// Bytes of the coefficients and their places, and 16 bytes a component.
+    pub fn bytes(&self) -> usize {
+        self.gaps.len() + self.values.len() * self.values.width() + self.counts.len() * 16
     }
 
-    /// Bytes of the coefficients with 2-byte (up to 65,536 cells) or 4-byte indices, and 16 bytes a component.
-    pub fn bytes(&self, cells: usize) -> usize {
-        let index = if cells <= 1 << 16 { 2 } else { 4 };
-        self.indices.len() * (index + self.values.width()) + self.counts.len() * 16
+    /// Bytes that it takes in memory.
+    pub fn memory_bytes(&self) -> usize {
+        self.bytes()
+    }
+
+    /// Whether every component's coefficients lie within so many cells and nothing is left over.
+    pub fn fits(&self, cells: usize) -> bool {
+        let mut gaps = self.gaps.iter();
+        let each = self.counts.iter().all(|count| {
+            let mut next = 0;
+            (0..*count).all(|_| place(&mut gaps, &mut next).is_some_and(|place| place < cells))
+        });
+        each && gaps.next().is_none() && self.counts.iter().map(|c| *c as usize).sum::<usize>() == self.values.len()
+    }
+}
+
+/// A gap as long as this keeps no coefficient.
+const LONG: u8 = 255;
+
+/// The next place of a component, and where the one after it may lie; none where there are no more gaps.
+#[inline(always)]
+fn place<'a>(gaps: &mut impl Iterator<Item = &'a u8>, next: &mut usize) -> Option<usize> {
+    loop {
+        let gap = *gaps.next()?;
+        *next += usize::from(gap);
+        if gap < LONG {
+            *next += 1;
+            return Some(*next - 1);
+        }
     }
 }
 
@@ -215,28 +247,16 @@ impl<'a> Sum<'a> {
     pub fn add(&mut self, block: &Block, weight: f32) {
         let cells = self.haar.len();
         let mut start = 0;
+        let mut gaps = block.gaps.iter();
         let components = self.coefficients.chunks_mut(cells).zip(&block.counts).enumerate();
         for (m, (out, count)) in components {
             let range = start..start + *count as usize;
             start = range.end;
-            let indices = &block.indices[range.clone()];
             let scaled = weight * block.scales[m];
             match &block.values {
-                Values::F32(v) => {
-                    for (i, v) in indices.iter().zip(&v[range]) {
-                        out[*i as usize] += weight * v;
-                    }
-                }
-                Values::F16(v) => {
-                    for (i, v) in indices.iter().zip(&v[range]) {
-                        out[*i as usize] += scaled * v.to_f32();
-                    }
-                }
-                Values::Log8(v) => {
-                    for (i, v) in indices.iter().zip(&v[range]) {
-                        out[*i as usize] += scaled * self.log[usize::from(*v)];
-                    }
-                }
+                Values::F32(v) => add_at(out, &mut gaps, v[range].iter().map(|v| weight * v)),
+                Values::F16(v) => add_at(out, &mut gaps, v[range].iter().map(|v| scaled * v.to_f32())),
+                Values::Log8(v) => add_at(out, &mut gaps, v[range].iter().map(|v| scaled * self.log[usize::from(*v)])),
             }
             self.ambient[m] += weight
                 * match self.kind {
@@ -257,6 +277,18 @@ impl<'a> Sum<'a> {
             }
         }
         self.coefficients
+    }
+}
+
+/// Adds values at the places that the gaps tell.
+#[inline(always)]
+fn add_at<'a>(out: &mut [f32], gaps: &mut impl Iterator<Item = &'a u8>, values: impl Iterator<Item = f32>) {
+    let mut next = 0;
+    for value in values {
+        // A block that fits its cells has a place for every value.
+        if let Some(to) = place(gaps, &mut next).and_then(|place| out.get_mut(place)) {
+            *to += value;
+        }
     }
 }
 
@@ -340,10 +372,31 @@ mod tests {
         for threshold in [1e-6, 1e-4, 1e-3, 1e-2, 1e-1] {
             let (back, block) = restored(Packing { threshold, width: Width::F16 }, Ambient::Off);
             let error = relative(&back, &fields(3, 5.0));
-            assert!(block.indices.len() < last.0 && error > last.1, "{threshold}");
-            assert_eq!(block.bytes(1024), block.indices.len() * 4 + 48);
-            last = (block.indices.len(), error);
+            let kept = block.values.len();
+            assert!(kept < last.0 && error > last.1, "{threshold}");
+            // Two bytes a value, one a place, and one for each 255 cells left out.
+            assert!((3 * kept + 48..=3 * kept + 48 + 3 * 4).contains(&block.bytes()) && block.fits(1024));
+            assert!(!block.fits(100) || kept < 10);
+            last = (kept, error);
         }
+    }
+
+    #[test]
+    fn coefficients_far_apart_come_back_where_they_were() {
+        let haar = Haar::new([2048, 1, 1]);
+        let mut there = vec![0.0_f32; 4096];
+        let places = [0, 255, 256, 511, 767, 2047, 2048 + 1023, 4095];
+        places.iter().enumerate().for_each(|(i, at)| there[*at] = (i + 1) as f32);
+        let mut fields = there.clone();
+        fields.chunks_mut(2048).for_each(|field| haar.inverse(field, &mut Vec::new()));
+        let block = Block::pack(&haar, &mut fields, Packing { threshold: 0.5, width: Width::F32 }, 1.0);
+        assert!(block.counts == [6, 2] && block.fits(2048) && !block.fits(2047));
+        let mut sum = Sum::new(&haar, 2, Ambient::Off);
+        sum.add(&block, 1.0);
+        assert!(sum.coefficients.iter().zip(&there).all(|(a, b)| (a - b).abs() < 1e-4));
+        let torn = Block { gaps: block.gaps[1..].to_vec(), ..block.clone() };
+        let long = Block { gaps: [&block.gaps[..], &[0]].concat(), ..block };
+        assert!(!torn.fits(2048) && !long.fits(2048));
     }
 
     #[test]

@@ -142,16 +142,15 @@ pub fn header(recipe: &Recipe) -> Vec<u8> {
 
 /// One light's block.
 pub fn block(recipe: &Recipe, light: usize, block: &Block) -> Vec<u8> {
+    debug_assert!(block.fits(recipe.medium.len()), "light {light} has places outside its cells");
     let mut body = Writer::default();
     block.squares.iter().for_each(|s| body.put_f64_le(*s));
     for m in 0..block.counts.len() {
         body.put_u32_le(block.counts[m]);
         [block.gammas[m], block.means[m], block.scales[m]].iter().for_each(|v| body.put_f32_le(*v));
     }
-    let short = recipe.medium.len() <= 1 << 16;
-    for index in &block.indices {
-        if short { body.put_u16_le(*index as u16) } else { body.put_u32_le(*index) }
-    }
+    body.put_u32_le(block.gaps.len() as u32);
+    body.put(&block.gaps);
     match &block.values {
         Values::F32(v) => v.iter().for_each(|v| body.put_f32_le(*v)),
         Values::F16(v) => v.iter().for_each(|v| body.put_u16_le(v.to_bits())),
@@ -321,29 +320,17 @@ fn decode(body: &[u8], recipe: &Recipe) -> Result<Block, FileError> {
             list.push(value);
         }
     }
-    let short = cells <= 1 << 16;
     // Checked against what is there before room is made for it.
-    let each = if short { 2 } else { 4 }
-        + match recipe.packing.width {
-            Width::F32 => 4,
-            Width::F16 => 2,
-            Width::Log8 => 1,
-        };
-    if r.rest().len() != total * each {
+    let each = match recipe.packing.width {
+        Width::F32 => 4,
+        Width::F16 => 2,
+        Width::Log8 => 1,
+    };
+    let gaps = r.u32_le()? as usize;
+    if total.checked_mul(each).and_then(|n| n.checked_add(gaps)) != Some(r.rest().len()) {
         return refuse("bytes of coefficients", r.rest().len() as f64, "as the counts say");
     }
-    let mut indices = Vec::with_capacity(total);
-    for count in &counts {
-        let mut least = 0;
-        for _ in 0..*count {
-            let index = if short { u32::from(r.u16_le()?) } else { r.u32_le()? };
-            if index as usize >= cells || index < least {
-                return refuse("index", f64::from(index), "ascending and below the number of cells");
-            }
-            least = index + 1;
-            indices.push(index);
-        }
-    }
+    let gaps = r.take(gaps)?.to_vec();
     let values = match recipe.packing.width {
         Width::F32 => Values::F32((0..total).map(|_| r.f32_le()).collect::<Result<_, _>>()?),
         Width::F16 => Values::F16((0..total).map(|_| r.u16_le().map(f16::from_bits)).collect::<Result<_, _>>()?),
@@ -357,7 +344,11 @@ fn decode(body: &[u8], recipe: &Recipe) -> Result<Block, FileError> {
     if !finite || !squares.iter().all(|s| s.is_finite()) {
         return refuse("coefficient", f64::NAN, "finite");
     }
-    Ok(Block { counts, gammas, means, scales, indices, values, squares })
+    let block = Block { counts, gammas, means, scales, gaps, values, squares };
+    if !block.fits(cells) {
+        return refuse("places of coefficients", block.gaps.len() as f64, "one for each, below the number of cells");
+    }
+    Ok(block)
 }
 
 fn recipe(body: &[u8]) -> Result<Recipe, FileError> {
