@@ -115,7 +115,8 @@ impl Resident {
             Some((kept, view)) if kept == params => view.clone(),
             _ => {
                 let texels = table::build(params);
-                let size = [2 * table::WIDTH as u32, table::WIDTH as u32, 1];
+                let width = 2 * table::WIDTH;
+                let size = [width as u32, (texels.len() / width) as u32, 1];
                 let format = wgpu::TextureFormat::Rgba16Float;
                 let view = filled(gpu, "sky table", format, size, bytemuck::cast_slice(&texels));
                 self.table = Some((*params, view.clone()));

@@ -156,7 +156,8 @@ fn the_deck_equals_its_twin() {
         // A step's length follows the look before it, so rounding and 8-bit filtering move later looks: at silhouettes
         // that decides whether a thin edge is met. The mean was 0.38 % at most; occlusion that
         // hides a fifth of the light too early moves it by 0.58 %.
-        assert!(mean < 0.005, "{name}: {mean}");
+        // The instanced form rounds after each instance besides (below), where little haze stands before the cloud most.
+        assert!(mean < if form == DeckForm::Marched { 0.005 } else { 0.007 }, "{name}: {mean}");
         assert!(beyond < 0.04, "{name}: {beyond}");
     }
 }

@@ -171,20 +171,41 @@ fn map_coordinates(chart_m: vec2<f32>) -> vec2<f32> {
     return vec2<f32>(r.x * chart_m.x - r.y * chart_m.y, r.y * chart_m.x + r.x * chart_m.y) / MAP_TILE_M;
 }
 
-// Luminance of the air along a ray and its transmittance, from the table.
-fn air_along(direction: vec3<f32>) -> vec4<f32> {
+// What the sky's table tells of a ray, in one of its pairs of discs.
+fn air_in(direction: vec3<f32>, pair: f32, pairs: f32) -> vec4<f32> {
     let over = direction.z - sky.horizon;
     let span = select(1.0 + sky.horizon, 1.0 - sky.horizon, over >= 0.0);
     let s = sqrt(min(abs(over) / span, 1.0));
     let disc = direction.xy * ((1.0 - s) * RIM / max(length(direction.xy), 1e-6));
     let u = 0.25 + 0.25 * disc.x + select(0.5, 0.0, over >= 0.0);
-    let found = textureSampleLevel(sky_table, clamped, vec2<f32>(u, 0.5 + 0.5 * disc.y), 0.0);
+    let v = (0.5 + 0.5 * disc.y + pair) / pairs;
+    let found = textureSampleLevel(sky_table, clamped, vec2<f32>(u, v), 0.0);
     return vec4<f32>(found.rgb * sky.table_scale, found.a);
+}
+
+// One, and under clouds a second one for the air before them. A pair is twice as wide as high.
+fn air_pairs() -> f32 {
+    let size = vec2<f32>(textureDimensions(sky_table));
+    return 2.0 * size.y / size.x;
+}
+
+// Luminance of the air along a ray and its transmittance.
+fn air_along(direction: vec3<f32>) -> vec4<f32> {
+    return air_in(direction, 0.0, air_pairs());
 }
 
 // Luminance that an endless column of the air along a ray would have.
 fn endless_air(air: vec4<f32>) -> vec3<f32> {
     return air.rgb / max(1.0 - air.a, 0.02);
+}
+
+// The same of the air before the clouds.
+fn air_before_clouds(direction: vec3<f32>) -> vec3<f32> {
+    let pairs = air_pairs();
+    if pairs > 1.5 {
+        return air_in(direction, 1.0, pairs).rgb;
+    }
+    return endless_air(air_along(direction));
 }
 
 // A triangle that covers the picture.

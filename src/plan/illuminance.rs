@@ -1,5 +1,6 @@
 //! How much light there is: from sun, moon and sky, through the layers from the top down, and the exposure it asks for.
 
+mod air;
 mod column;
 mod exposure;
 
@@ -24,7 +25,7 @@ use crate::passes::sky::table::TableParams;
 use crate::passes::sky::{Sky, Stars, stars};
 use crate::world::command::Frustum;
 use crate::world::regions::weight_at;
-use crate::world::snapshot::{Snapshot, ViewState};
+use crate::world::snapshot::{LayerState, Snapshot, ViewState};
 use column::{ClearSky, Column, Level};
 pub use exposure::FULL_LUX_EXPOSURE;
 use glam::{DMat3, DQuat, Vec2, Vec3};
@@ -140,6 +141,7 @@ impl Illuminance {
             lights: lights.map(|l| Luminary { direction: quantised_direction(l.direction), ..l }),
             night_luminance,
             cities: cities(eye, night),
+            shade: air::shade(&weathers(snapshot, regions, &columns, &shares), &clear, height_m),
             scale,
         };
         // Full scale at 1.2 * 2^EV cd/m2 (ISO 2720 with K = 12.5 and saturation-based speed).
@@ -397,6 +399,18 @@ fn bright_side_lux(air: &Air, higher: &HigherOrders, height_m: f32, lights: &[Lu
         }
     }
     (2.0 * upright - level).max(0.0)
+}
+
+/// The weathers in sight, the surroundings first, each with how much it rules at the eye and the light through it.
+fn weathers<'a>(
+    snapshot: &'a Snapshot,
+    regions: &[NearRegion<'a>],
+    columns: &'a [Column],
+    shares: &[f32],
+) -> Vec<(f32, &'a [LayerState], &'a Column)> {
+    let layers =
+        std::iter::once(&snapshot.weather.layers).chain(regions.iter().map(|region| &region.state.weather.layers));
+    shares.iter().zip(layers).zip(columns).map(|((share, layers), column)| (*share, &layers[..], column)).collect()
 }
 
 fn horizon(earth_m: f32, height_m: f32) -> f32 {

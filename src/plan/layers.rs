@@ -42,8 +42,6 @@ const MOST_RELIEF: f32 = 1.3;
 const VARIED: f32 = 2.8;
 /// Period of the finer clumps, m: the largest are a sixth of it, the smallest some thirty metres.
 const CLUMPS_M: f32 = 750.0;
-/// Shortest step where clumps are flown through, m: half of the smallest.
-const CLUMPED_STEP_M: f32 = 20.0;
 
 /// How far something at a height can be seen over the curved Earth.
 pub fn extent_m(eye: &Eye, height_m: f64) -> f64 {
@@ -146,10 +144,7 @@ impl Context<'_> {
         });
         // Detail lies in the nearest chart alone: it is gone where the next chart becomes the nearest, so that it never steps.
         let detail_share = weights(&near, DVec3::Z).first().map_or(0.0, |w| (2.0 * w - 1.0).clamp(0.0, 1.0)) as f32;
-        // 1 in the layer, 0 from where nothing of its clumps is left on.
         let outside_m = (state.base_m - self.eye.height_m).max(self.eye.height_m - top_m).max(0.0);
-        let near_by = (1.0 - outside_m as f32 / VARIED_M[1]).max(0.0);
-        let step_m = (1_200.0 / quality.slices as f32).max(4.0);
         let outline = outlines(self.regions, column, state, self.eye);
         let (bound_m, bound_radius_m) = region.map_or(([0.0; 3], 0.0), |region| bound(region, state, self.eye));
         let mut flash = [Flash::default(); FLASHES];
@@ -183,7 +178,7 @@ impl Context<'_> {
             relief_depth: (extinction * look.detail * detail_share * RELIEF * tile[1] / look.edge * 2.0 * LEAVING)
                 .min(MOST_RELIEF),
             reach_m: 0.3 * density::TILE_M / look.elements[0].max(look.elements[1]) as f32 / scale,
-            step_m: step_m + (step_m.min(CLUMPED_STEP_M) - step_m) * near_by,
+            step_m: (1_200.0 / quality.slices as f32).max(4.0),
             hidden_below: OPAQUE,
             clear_below: CLEAR,
             clear_share: CLEAR_SHARE / scale * (scale * state.thickness_m as f32 / look.usual_thickness_m).min(1.0),
@@ -197,7 +192,7 @@ impl Context<'_> {
             shade_span: 0.0,
             bound_m,
             bound_radius_m,
-            varied: if near_by > 0.0 { VARIED * detail_share } else { 0.0 },
+            varied: if outside_m < f64::from(VARIED_M[1]) { VARIED * detail_share } else { 0.0 },
             clumps_finer: (scale * tile[1] / CLUMPS_M).round().max(1.0),
             chart: charts,
             outline,

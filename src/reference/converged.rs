@@ -67,9 +67,8 @@ impl Ray {
     /// The ray through a point of the picture in pixels.
     pub fn through(plan: &FramePlan, table: &[Texel], [x, y]: [f32; 2]) -> Self {
         let direction = plan.camera.ray(x, y);
-        let (air, passed) = sky::air(&plan.sky, table, direction);
-        // As the reference executor has it: what haze in front of things tends to.
-        Self { direction, end_m: ground::twin::range(&plan.camera, direction), air: air / (1.0 - passed).max(0.02) }
+        let air = sky::endless(&plan.sky, table, direction);
+        Self { direction, end_m: ground::twin::range(&plan.camera, direction), air }
     }
 }
 

@@ -87,10 +87,7 @@ pub fn deck(plan: &FramePlan, table: &[Texel], layers: &[Prepared], ranges: Opti
         let at = [x as f32 + 0.5, y as f32 + 0.5];
         let direction = camera.ray(at[0], at[1]);
         let end_m = range(ranges, &camera, at, direction);
-        let (air, passed) = sky::air(&plan.sky, table, direction);
-        // Luminance that an endless column of this air would have: what haze in front of things tends to.
-        let endless = air / (1.0 - passed).max(0.02);
-        let gathered = walk(&camera, layers, &legs, direction, end_m, endless);
+        let gathered = walk(&camera, layers, &legs, direction, end_m, sky::endless(&plan.sky, table, direction));
         gathered.luminance.extend(1.0 - gathered.transmittance)
     })
 }

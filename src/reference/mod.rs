@@ -344,7 +344,12 @@ impl Scene<'_> {
                 if terrain {
                     // Air up to ground that may stand before the sky.
                     let passed_here = camera.air_transmittance(camera.height_at(direction.z, end_m), end_m);
-                    seen * passed_here + air / (1.0 - passed).max(0.02) * (1.0 - passed_here)
+                    let before = if direction.z < plan.sky.horizon {
+                        air / (1.0 - passed).max(0.02)
+                    } else {
+                        sky::endless(&plan.sky, table, direction)
+                    };
+                    seen * passed_here + before * (1.0 - passed_here)
                 } else {
                     air + passed * seen
                 }

@@ -142,6 +142,7 @@ impl Scene {
             lights: [self.sun, none],
             night_luminance: 0.0,
             cities: Default::default(),
+            shade: None,
             scale: 1.0,
         })
     }

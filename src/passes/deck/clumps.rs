@@ -11,6 +11,8 @@ use glam::{Vec2, Vec3};
 
 /// Ranges between which the variation of density inside the cloud fades, m: farther away many clumps lie behind each other.
 pub const VARIED_M: [f32; 2] = [150.0, 600.0];
+/// Steps of the walk for each usual one where clumps are: with 32 slices the shortest is 12 m, less than half of the smallest.
+pub const RUNGS: f32 = 3.0;
 /// Least density of a clump; the greatest is as far above 1.
 const LEAST_VARIED: f32 = 0.1;
 /// How far towards the light the clumps lie that shade a place, m.

@@ -75,6 +75,7 @@ const CLEAR_THETAS: f32 = 12.0;
 const CLEAR_THETA_STEP: f32 = 0.08;
 const CLEAR_UNIT_M: f32 = 8.0;
 const VARIED_M: vec2<f32> = vec2<f32>(150.0, 600.0);
+const CLUMP_RUNGS: f32 = 3.0;
 const LEAST_VARIED: f32 = 0.1;
 const RUNG_ROUNDING: f32 = 0.01;
 const HALVINGS: u32 = 10u;

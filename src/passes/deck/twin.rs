@@ -1,6 +1,6 @@
 //! Twin of `march.wgsl` and `deck.wgsl`: walks the crossings of a ray with slices and rings from near to far.
 
-use super::clumps::varied;
+use super::clumps::{self, VARIED_M, varied};
 use super::field::{Look, Textures, city_glow, light_at, look, relieved, shown, source, view};
 use super::spans::{Heights, Leg};
 use super::{FLASH_COLOUR, Layer, RING_SHARE, RING_SLICES};
@@ -259,6 +259,8 @@ const MOST_LOOKS: u32 = 4_096;
 struct Steps {
     at_eye_m: f32,
     growth: f32,
+    /// Whether there are rungs between those of the ladder around the eye.
+    varied: bool,
 }
 
 impl Steps {
@@ -266,12 +268,17 @@ impl Steps {
     fn new(camera: &Camera, layer: &Layer) -> Self {
         let pixel_rad = 2.0 * Vec3::from(camera.up).length() / camera.height_px;
         let growth = (STEP_PIXELS * pixel_rad).clamp(STEP_GROWTH[0], STEP_GROWTH[1]);
-        Self { at_eye_m: layer.step_m, growth }
+        Self { at_eye_m: layer.step_m, growth, varied: layer.varied > 0.0 }
+    }
+
+    /// Rungs for each of the ladder's: clumps are finer than its steps.
+    fn rungs_between(&self, at: f32) -> f32 {
+        if self.varied && at < VARIED_M[1] { clumps::RUNGS } else { 1.0 }
     }
 
     /// The step at the cloud's edge and inside.
     fn shortest_m(&self, at: f32) -> f32 {
-        self.at_eye_m + self.growth * at
+        (self.at_eye_m + self.growth * at) / self.rungs_between(at)
     }
 
     /// Whether a look went further than one step: from between two rungs one step reaches past the next by the rounding.
@@ -286,8 +293,16 @@ impl Steps {
         let origin = self.at_eye_m / self.growth;
         let surely = at + self.shortest_m(at) + beyond;
         let octaves = (1.0 + self.growth).log2();
-        let steps = ((surely / origin + 1.0).log2() / octaves + RUNG_ROUNDING).floor();
-        origin * (steps * octaves).exp2() - origin
+        let step = (surely / origin + 1.0).log2() / octaves;
+        let between = self.rungs_between(at);
+        let rung = |step: f32| origin * (step * octaves).exp2() - origin;
+        let whole = rung((step + RUNG_ROUNDING).floor());
+        // Far away all rays keep to the ladder's own.
+        if between > 1.0 && (surely < VARIED_M[1] || whole <= at) {
+            rung((step * between + RUNG_ROUNDING).floor() / between)
+        } else {
+            whole
+        }
     }
 }
 
@@ -362,8 +377,14 @@ mod tests {
 
     #[test]
     fn many_steps_at_once_end_on_the_same_rungs_as_one_by_one() {
-        for (at_eye_m, growth) in [(4.0, 0.004), (37.0, 0.0126), (1_200.0, 0.025)] {
-            let steps = Steps { at_eye_m, growth };
+        for (at_eye_m, growth, varied) in [
+            (4.0, 0.004, false),
+            (37.0, 0.0126, false),
+            (1_200.0, 0.025, false),
+            (37.0, 0.0126, true),
+            (4.0, 0.004, true),
+        ] {
+            let steps = Steps { at_eye_m, growth, varied };
             // From anywhere, a step that nothing lengthens is not a long one: it would be taken back for ever.
             for k in 0..20_000 {
                 let at = 1.37 * k as f32;

@@ -64,8 +64,13 @@ fn step_growth() -> f32 {
     return clamp(STEP_PIXELS * 2.0 * length(camera.up) / camera.height_px, STEP_GROWTH.x, STEP_GROWTH.y);
 }
 
+// Rungs between two of the ladder: clumps are finer than its steps.
+fn rungs_between(at: f32) -> f32 {
+    return select(1.0, CLUMP_RUNGS, layer.varied > 0.0 && at < VARIED_M.y);
+}
+
 fn shortest_step(at: f32) -> f32 {
-    return layer.step_m + step_growth() * at;
+    return (layer.step_m + step_growth() * at) / rungs_between(at);
 }
 
 // The range of the next look: the next rung, or the last one that surely lies outside the cloud. Rungs are counted from
@@ -75,8 +80,13 @@ fn next_look(at: f32, beyond: f32) -> f32 {
     let origin = layer.step_m / growth;
     let surely = at + shortest_step(at) + beyond;
     let octaves = log2(1.0 + growth);
-    let steps = floor(log2(surely / origin + 1.0) / octaves + RUNG_ROUNDING);
-    return origin * exp2(steps * octaves) - origin;
+    let step = log2(surely / origin + 1.0) / octaves;
+    let between = rungs_between(at);
+    var rung = origin * exp2(floor(step + RUNG_ROUNDING) * octaves) - origin;
+    if between > 1.0 && (surely < VARIED_M.y || rung <= at) {
+        rung = origin * exp2(floor(step * between + RUNG_ROUNDING) / between * octaves) - origin;
+    }
+    return rung;
 }
 
 // Whether a look that found cloud went further than one step.
@@ -116,7 +126,7 @@ fn seen_between(view: View, near: f32, far: f32, at: f32, end: f32) -> Seen {
 fn exposed(direction: vec3<f32>, gathered: vec3<f32>, hidden: f32, opacity: f32) -> vec4<f32> {
     var light = gathered;
     if hidden > 0.0 {
-        light += endless_air(air_along(direction)) * hidden;
+        light += air_before_clouds(direction) * hidden;
     }
     return vec4<f32>(min(light * camera.exposure, vec3<f32>(BRIGHTEST)), opacity);
 }

@@ -14,7 +14,8 @@ pub const MOON_LUX: f32 = 0.32;
 /// Molecular scattering at sea level, 1/m.
 pub const RAYLEIGH_PER_M: Vec3 = Vec3::new(5.802e-6, 13.558e-6, 33.1e-6);
 const OZONE_PER_M: Vec3 = Vec3::new(0.650e-6, 1.881e-6, 0.085e-6);
-const EARTH_M: f32 = 6_371_000.0;
+/// Radius of the Earth for the air, m.
+pub const EARTH_M: f32 = 6_371_000.0;
 /// Height at which the air ends.
 pub const TOP_M: f32 = 100_000.0;
 /// Haze particles absorb a tenth of what they take out (Hillaire 2020, table 1).

@@ -8,11 +8,27 @@
 
 use super::atmosphere::{Air, HAZE_ALBEDO, HAZE_ASYMMETRY, Luminary, Medium, RAYLEIGH_PER_M, path};
 use super::multiple::HigherOrders;
+use super::shade::Shade;
 use crate::passes::common::{AIR_SCALE_M, HAZE_SCALE_M};
 use glam::Vec3;
 
 /// Share of the haze's extinction that goes on forwards: g^2 of what is scattered.
 const FORWARD: f32 = HAZE_ALBEDO * HAZE_ASYMMETRY * HAZE_ASYMMETRY;
+
+/// Clouds above a ray, and how far it is followed.
+#[derive(Clone, Copy, Debug)]
+pub struct Under<'a> {
+    /// What they leave of the light; `None`: a clear sky.
+    pub shade: Option<&'a Shade>,
+    /// Range at which the stretch ends, m, if neither ground nor space comes before.
+    pub end_m: f32,
+}
+
+impl Default for Under<'_> {
+    fn default() -> Self {
+        Self { shade: None, end_m: f32::INFINITY }
+    }
+}
 
 impl Air {
     /// Light scattered into a ray from a height, cd/m2 per colour, and the transmittance of the ray (to the ground or
@@ -25,7 +41,21 @@ impl Air {
         lights: &[Luminary],
         steps: u32,
     ) -> (Vec3, Vec3) {
+        self.inscatter_under(higher, eye_m, direction, lights, steps, &Under::default())
+    }
+
+    /// As [`Air::inscatter`] with clouds that take of the light, over a stretch of the ray.
+    pub fn inscatter_under(
+        &self,
+        higher: &HigherOrders,
+        eye_m: f32,
+        direction: Vec3,
+        lights: &[Luminary],
+        steps: u32,
+        under: &Under,
+    ) -> (Vec3, Vec3) {
         let [begin, end] = path(eye_m, direction.z).0;
+        let end = end.min(under.end_m);
         let scaled = Air { haze_per_m: self.haze_per_m * (1.0 - FORWARD) };
         let (mut light, mut reaching, mut passed) = (Vec3::ZERO, Vec3::ONE, Vec3::ONE);
         let mut before = begin;
@@ -40,14 +70,15 @@ impl Air {
             let clear = rayleigh + Medium::ozone_per_m(height);
             let extinction = clear + Vec3::splat((1.0 - FORWARD) * haze);
             let through = (-extinction * ds).exp();
+            let (shown, diffuse) = under.shade.map_or((1.0, Vec3::ONE), |shade| shade.at(height));
             let mut source = Vec3::ZERO;
             for l in lights {
                 let up = Medium::along(eye_m, direction, l.direction, mid).up;
-                let lit = scaled.transmittance(height, up) * l.illuminance_lux;
+                let lit = scaled.transmittance(height, up) * l.illuminance_lux * shown;
                 let cos = direction.dot(l.direction);
                 let single =
                     rayleigh * (0.059_683 * (1.0 + cos * cos)) + Vec3::splat(HAZE_ALBEDO * haze * haze_phase(cos));
-                let further = higher.luminance(height, up) * l.illuminance_lux;
+                let further = higher.luminance(height, up) * l.illuminance_lux * diffuse;
                 source += lit * single + further * (rayleigh + Vec3::splat((HAZE_ALBEDO - FORWARD) * haze));
             }
             light += reaching * source * ((Vec3::ONE - through) / extinction.max(Vec3::splat(1e-12)));

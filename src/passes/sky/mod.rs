@@ -7,6 +7,7 @@ pub mod atmosphere;
 mod inscatter;
 pub mod lamps;
 pub mod multiple;
+pub mod shade;
 pub mod stars;
 pub mod table;
 pub mod twin;

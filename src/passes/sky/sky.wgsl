@@ -91,7 +91,11 @@ fn sky_fragment(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
     if TERRAIN {
         if t < FAR {
             // Air up to ground that may stand before the sky.
-            light = endless_air(air) * (1.0 - air_transmittance(height_at(direction.z, t), t));
+            var before = endless_air(air);
+            if direction.z >= sky.horizon {
+                before = air_before_clouds(direction);
+            }
+            light = before * (1.0 - air_transmittance(height_at(direction.z, t), t));
         }
     }
     if camera.eye_m <= 0.0 || t >= FAR {

@@ -5,10 +5,13 @@
 //! *How we store it.* Two discs of directions side by side, above and below the horizon, f16. The horizon is the rim;
 //! the distance from the rim goes with the square root of the height above it, so that the horizon's bands are fine.
 //! *How we read it back.* Bilinear; a margin round the discs repeats the rim.
+//! *Under clouds* a second pair of discs lies below the first: what an endless column of the air before the clouds would send.
 
 use super::atmosphere::{Air, Luminary};
+use super::inscatter::Under;
 use super::lamps::{CityLamps, MOST};
 use super::multiple::HigherOrders;
+use super::shade::Shade;
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 use half::f16;
@@ -34,6 +37,8 @@ pub struct TableParams {
     pub night_luminance: f32,
     /// Cities whose light the air scatters; those of radius 0 are none.
     pub cities: [CityLamps; MOST],
+    /// What clouds leave of the air's light; `None`: there are none to speak of.
+    pub shade: Option<Shade>,
     /// Factor from stored values to cd/m2, a power of two.
     pub scale: f32,
 }
@@ -45,25 +50,50 @@ pub struct TableParams {
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Texel(pub [f16; 4]);
 
-/// Fills the table: `2 * WIDTH` by `WIDTH` texels, rows one after another, the disc above the horizon on the left.
+/// Texels of a pair of discs.
+const PAIR: usize = 2 * WIDTH * WIDTH;
+/// Opacity from which on the light of a column tells that of an endless one.
+const LEAST_OPACITY: f32 = 1e-6;
+/// Parts of the colours in luminance (ITU-R BT.709).
+const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
+
+/// Fills the table: `2 * WIDTH` by `WIDTH` texels, rows one after another, the disc above the horizon on the left; under clouds
+/// twice as many.
 pub fn build(params: &TableParams) -> Vec<Texel> {
     let air = Air { haze_per_m: params.haze_per_m };
     let higher = HigherOrders::of(&air);
     let lights: Vec<Luminary> =
         params.lights.iter().filter(|l| l.illuminance_lux.max_element() > 0.0).copied().collect();
     let cities: Vec<CityLamps> = params.cities.iter().filter(|city| city.radius_m > 0.0).copied().collect();
-    (0..2 * WIDTH * WIDTH)
+    let shade = params.shade.as_ref();
+    let pairs = if shade.is_some() { 2 } else { 1 };
+    (0..pairs * PAIR)
         .into_par_iter()
         .map(|i| {
-            let (x, y) = (i % (2 * WIDTH), i / (2 * WIDTH));
+            let near = i >= PAIR;
+            let (x, y) = (i % (2 * WIDTH), i % PAIR / (2 * WIDTH));
             let above = x < WIDTH;
             let at = Vec2::new((x % WIDTH) as f32 + 0.5, y as f32 + 0.5) * (2.0 / WIDTH as f32) - Vec2::ONE;
             let direction = direction_of(at / RIM, above, params.horizon);
-            let (light, passed) = air.inscatter(&higher, params.eye_m, direction, &lights, 24);
-            let passed = passed.dot(Vec3::new(0.2126, 0.7152, 0.0722));
+            let end_m = match shade {
+                Some(shade) if near => shade.near_end_m(params.eye_m, direction.z),
+                _ => f32::INFINITY,
+            };
+            let under = Under { shade, end_m };
+            let (light, passed) = air.inscatter_under(&higher, params.eye_m, direction, &lights, 24, &under);
+            let passed = passed.dot(LUMINANCE);
             let night = params.night_luminance * (1.0 - 0.6 * passed) * Vec3::new(0.75, 0.9, 1.25);
             let lit = if cities.is_empty() { Vec3::ZERO } else { air.city_light(&cities, params.eye_m, direction) };
-            let stored = ((light + night + lit) / params.scale).min(Vec3::splat(60_000.0));
+            let seen = match shade {
+                Some(shade) if near => {
+                    // The night's own light and that of cities are followed along the whole ray; per opacity they depend on its length little.
+                    let whole = air.inscatter(&higher, params.eye_m, direction, &[], 8).1.dot(LUMINANCE);
+                    let own = (night * shade.at(params.eye_m).1 + lit) / (1.0 - whole).max(0.02);
+                    light / (1.0 - passed).max(LEAST_OPACITY) + own
+                }
+                _ => light + night + lit,
+            };
+            let stored = (seen / params.scale).min(Vec3::splat(60_000.0));
             Texel([stored.x, stored.y, stored.z, passed].map(f16::from_f32))
         })
         .collect()
@@ -88,7 +118,12 @@ pub fn coordinates(direction: Vec3, horizon: f32) -> Vec2 {
     Vec2::new(u, 0.5 + 0.5 * disc.y)
 }
 
-/// Bilinear look-up, in stored units.
+/// The pair of discs that tells of the air before the clouds, where there are any.
+pub fn before_clouds(table: &[Texel]) -> Option<&[Texel]> {
+    table.get(PAIR..).filter(|near| !near.is_empty())
+}
+
+/// Bilinear look-up, in stored units, in the first pair of discs of a slice.
 pub fn sample(table: &[Texel], at: Vec2) -> [f32; 4] {
     let (x, y) = (at.x * (2 * WIDTH) as f32 - 0.5, at.y * WIDTH as f32 - 0.5);
     let (x0, y0) = (x.floor(), y.floor());

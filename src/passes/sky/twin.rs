@@ -1,6 +1,6 @@
 //! Twin of `sky.wgsl`: what is seen along a ray behind everything else, in cd/m2.
 
-use super::table::{Texel, coordinates, sample};
+use super::table::{Texel, before_clouds, coordinates, sample};
 use super::{Sky, Stars, stars};
 use crate::passes::common::smoothstep;
 use glam::Vec3;
@@ -9,6 +9,17 @@ use glam::Vec3;
 pub fn air(sky: &Sky, table: &[Texel], direction: Vec3) -> (Vec3, f32) {
     let [r, g, b, passed] = sample(table, coordinates(direction, sky.horizon));
     (Vec3::new(r, g, b) * sky.table_scale, passed)
+}
+
+/// Luminance that an endless column of the air along a ray would have before the clouds: what haze before things tends to.
+pub fn endless(sky: &Sky, table: &[Texel], direction: Vec3) -> Vec3 {
+    match before_clouds(table) {
+        Some(near) => air(sky, near, direction).0,
+        None => {
+            let (light, passed) = air(sky, table, direction);
+            light / (1.0 - passed).max(0.02)
+        }
+    }
 }
 
 /// Light of the dark side of the moon from the Earth, as a share of the lit one's.

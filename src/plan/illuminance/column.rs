@@ -59,7 +59,7 @@ pub struct Column {
 }
 
 /// Share of its light that the ground sends back.
-const GROUND_ALBEDO: f32 = 0.13;
+pub const GROUND_ALBEDO: f32 = 0.13;
 
 impl Column {
     /// The light under layers that rise without overlap.
@@ -108,7 +108,7 @@ impl Column {
 }
 
 /// Share of the sky that a layer hides: of a storm cell, whose coverage is how far it has grown, that of its square.
-fn cover(layer: &LayerState) -> f32 {
+pub(super) fn cover(layer: &LayerState) -> f32 {
     if layer.kind == CloudKind::StormCell { cell::cover(layer.coverage as f32) } else { layer.coverage as f32 }
 }
 
@@ -134,13 +134,13 @@ fn diffuse_shares(layer: &LayerState, mu: f32) -> (f32, f32) {
 }
 
 /// Optical depth of a layer where it has cloud.
-fn depth(layer: &LayerState) -> f32 {
+pub(super) fn depth(layer: &LayerState) -> f32 {
     let whole = layer.kind.appearance().extinction_per_m * (layer.density * layer.thickness_m) as f32;
     filled(cover(layer)) * whole
 }
 
 /// Light below a layer: what its gaps let through and what it transmits diffusely (Eddington, see `passes::light`).
-fn pass(layer: &LayerState, above: Level, mu: f32) -> Level {
+pub(super) fn pass(layer: &LayerState, above: Level, mu: f32) -> Level {
     let cover = cover(layer);
     let (depth, (from_source, from_sky)) = (depth(layer), diffuse_shares(layer, mu));
     Level {

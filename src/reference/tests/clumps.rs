@@ -31,10 +31,6 @@ fn clumps_are_there_where_they_are_flown_through_and_nowhere_else() {
     let [inside, near, far] = [1_300.0, 500.0, 350.0].map(layer_at);
     assert!(inside.varied > 1.0 && near.varied == inside.varied, "{} {}", inside.varied, near.varied);
     assert_eq!(far.varied, 0.0);
-    // Steps grow to their usual length on the way out, and do not jump there.
-    assert!(inside.step_m < near.step_m && near.step_m < far.step_m);
-    let [before, after] = [401.0, 399.0].map(|altitude_m| layer_at(altitude_m).step_m);
-    assert!((before - after).abs() < 0.01 * after, "{before} {after}");
 }
 
 #[test]
