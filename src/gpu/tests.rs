@@ -260,6 +260,7 @@ fn a_wrong_shader_is_noticed() {
         ("march", "transmittance = 1.0 - nearer.a", "transmittance = 0.9 - nearer.a"),
         ("march", "left *= exp(-layer.relief_depth", "left *= exp(layer.relief_depth"),
         ("march", "1.0 + share * clumps(", "1.0 - share * clumps("),
+        ("march", "air_before_clouds(direction) * hidden", "endless_air(air_along(direction)) * hidden"),
         ("march", "-CLUMP_SHADE * near", "CLUMP_SHADE * near"),
         ("deck", "seen.light = source(", "seen.light = 1.1 * source("),
         ("cull", ".a < 1.0 - OPAQUE", ".a < -1.0"),
@@ -280,6 +281,7 @@ fn a_wrong_shader_is_noticed() {
             "march" if right.contains("clumps") => {
                 Scene { coverage: 0.3, altitude_m: 1_500.0, pitch_deg: 0.0, ..BELOW }
             }
+            "march" if right.contains("before_clouds") => Scene { coverage: 1.0, pitch_deg: 2.0, ..BELOW },
             "march" if right.contains("CLUMP") => Scene { coverage: 1.0, altitude_m: 1_500.0, pitch_deg: 0.0, ..BELOW },
             "march" if right.contains("glow") => Scene { coverage: 1.0, ..CITY },
             "ground" if right.contains("passed") => Scene { pitch_deg: -35.0, altitude_m: 900.0, ..BELOW },

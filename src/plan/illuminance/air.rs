@@ -9,6 +9,8 @@ use glam::Vec3;
 
 /// A cover from which on all of a layer stands before what is behind it.
 const STANDS_BEFORE: f32 = 0.2;
+/// A share of the direct light that nobody sees.
+const NOTHING: f32 = 1e-3;
 
 /// What clouds leave of the air's light at an eye, for weathers by how much each rules there; `None` where they leave all.
 /// Rounded, so that the sky's table is made a few times while a weather eases in.
@@ -25,8 +27,9 @@ pub fn shade(weathers: &[(f32, &[LayerState], &Column)], clear: &ClearSky, eye_m
         let [low, inverse] = before(layers, eye_m);
         (low_m, inverse_high) = (low_m + share * low, inverse_high + share * inverse);
     }
+    // In steps of 3 %, which no picture shows.
     let even = |v: f32| ((v.max(1e-4).ln() * 32.0).round() / 32.0).exp();
-    let direct = direct.map(|v| (v * 64.0).round() / 64.0);
+    let direct = direct.map(|v: f32| if v < NOTHING { 0.0 } else { even(v).min(1.0) });
     let diffuse = diffuse.map(|v| Vec3::new(even(v.x), even(v.y), even(v.z)));
     let all = direct.iter().all(|v| *v == 1.0) && diffuse.iter().all(|v| *v == Vec3::ONE);
     let near_m = [(0.98 * even(low_m)).min(eye_m), (1.02 * even(1.0 / inverse_high.max(1e-9))).max(eye_m)];
@@ -108,6 +111,7 @@ mod tests {
             snapshot.ownship.position.altitude_m = 300.0;
             snapshot.weather.layers = vec![layer(coverage)];
             let plan = plan(&snapshot, &snapshot.views[0], Output::LinearRgb);
+            assert_eq!(plan.table.shade.is_some(), coverage > 0.0);
             let table = build(&plan.table);
             let sun = Vec3::from(plan.sky.sun_direction);
             let across = Vec3::new(sun.y, -sun.x, 0.0).normalize();
@@ -120,7 +124,7 @@ mod tests {
         let (under, sky_lux, _) = luminance(1.0);
         let even = sky_lux * (1.0 + column::GROUND_ALBEDO) / (2.0 * std::f32::consts::PI);
         assert!((under / even - 1.0).abs() < 0.4, "{under} cd/m2, and {even} of even light");
-        // Without clouds the sun shines on it.
+        // Without clouds the sun shines on it, and no clouds are asked.
         let (clear, sky_lux, sun_lux) = luminance(0.0);
         assert!(clear > 1.5 * under && clear < (sky_lux + sun_lux) / std::f32::consts::PI, "{clear} over {under}");
     }
