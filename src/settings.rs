@@ -56,6 +56,10 @@ pub struct Settings {
     pub relight: RelightName,
     /// Memory in MiB that tables of virtual lights may take.
     pub basis_memory_mib: u32,
+    /// Folder that keeps baked tables by content; `None`: they end with the program.
+    pub basis_cache: Option<PathBuf>,
+    /// MiB that the tables in that folder may take.
+    pub basis_cache_mib: u32,
     /// Ratio between the radii of neighbouring billboard rings, above 1.
     pub ring_ratio: f64,
     /// Most strokes of lightning in any one second that give light, for people sensitive to flicker; `None`: no limit.
@@ -225,6 +229,8 @@ impl Settings {
             light_encoding: file.light_encoding,
             relight: file.relight,
             basis_memory_mib: file.basis_memory_mib,
+            basis_cache: file.basis_cache.map(PathBuf::from),
+            basis_cache_mib: file.basis_cache_mib,
             ring_ratio: file.ring_ratio,
             flicker_guard_per_s: file.flicker_guard_per_s,
             terrain: file.terrain,

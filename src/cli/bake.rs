@@ -1,20 +1,27 @@
 //! `stormdeck bake`: basis intensities of a scenario's decks, whole, by shares, resumed, merged, and never twice.
 
-use super::Failure;
-use super::progress::Progress;
+mod share;
+mod struck;
+
+use super::render::relight;
+use super::{Failure, executor};
 use crate::clouds::coverage::Coverage;
 use crate::numeric::haar::Haar;
-use crate::scattering::basis::{BakeError, Content, Recipe};
+use crate::passes::relight::Lighting;
+use crate::passes::relight::cache::{Cache, key};
+use crate::scattering::basis::{Content, Recipe};
 use crate::scattering::compress::{Packing, Width, threshold_for};
 use crate::scattering::deck::Deck;
-use crate::scattering::file;
+use crate::scattering::file::{self, JoinError};
 use crate::scattering::lights::Lights;
 use crate::scattering::ordinates::{self, Params, SolveError, Solver};
 use crate::scattering::phase::Phase;
+use crate::wire::limits;
 use crate::world::World;
 use crate::world::command::{Command, ScenarioEdit};
+use crate::world::timeline::Timeline;
 use std::fs::File;
-use std::io::{Seek, SeekFrom, Write};
+use std::io::{BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -25,9 +32,13 @@ pub(super) struct Options {
     #[arg(required_unless_present = "merge", conflicts_with = "merge")]
     scenario: Option<String>,
     /// The basis file to write. One that was begun by the same bake is gone on with.
-    #[arg(long, value_name = "FILE")]
-    out: PathBuf,
-    /// Moment of the scenario whose weather is baked, s.
+    #[arg(long, value_name = "FILE", required_unless_present = "struck")]
+    out: Option<PathBuf>,
+    /// Bakes into the cache, in place of a file, the tables of all pieces of cloud that the scenario's own flashes strike, as
+    /// `serve` and `render` need them for `relight` by this method: basis or hybrid.
+    #[arg(long, value_name = "METHOD", value_parser = relight, requires = "cache", conflicts_with_all = ["out", "merge", "layer", "cells", "lights", "interval", "content", "index", "tolerance", "width", "threshold", "error"])]
+    struck: Option<Lighting>,
+    /// Moment of the scenario whose weather is baked, or from which on flashes are looked for, s.
     #[arg(long, default_value_t = 0.0)]
     at: f64,
     /// Which layer, counted from the lowest.
@@ -71,9 +82,15 @@ pub(super) struct Options {
     /// Joins the shares of one bake.
     #[arg(long, value_name = "FILES", num_args = 1..)]
     merge: Vec<PathBuf>,
-    /// A folder that keeps baked files by content, so that nothing is baked twice.
+    /// Moment of the scenario until which flashes are looked for, s; without it its end.
+    #[arg(long, value_name = "SECONDS", requires = "struck")]
+    until: Option<f64>,
+    /// A folder that keeps baked tables by content, so that nothing is baked twice; `serve` and `render` may share it.
     #[arg(long, value_name = "FOLDER")]
     cache: Option<PathBuf>,
+    /// MiB that the tables in that folder may take; those that were not used for longest go first.
+    #[arg(long, value_name = "MIB", default_value_t = 1024, requires = "cache", value_parser = clap::value_parser!(u32).range(limits::BASIS_CACHE_MIB.min as i64..=limits::BASIS_CACHE_MIB.max as i64))]
+    cache_mib: u32,
 }
 
 /// Shutter of the snapshot that the weather is read from, s; nothing depends on it.
@@ -96,8 +113,12 @@ fn width(text: &str) -> Result<Width, String> {
 
 /// Bakes or merges.
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
+    if let Some(method) = options.struck {
+        return struck::bake(options, method);
+    }
+    let Some(out) = options.out.as_deref() else { return Err(Failure::Input("--out: is missing".to_owned())) };
     if !options.merge.is_empty() {
-        return merge(&options.merge, &options.out);
+        return merge(&options.merge, out);
     }
     let (index, of) = (options.index.unwrap_or(0), options.of.unwrap_or(1));
     if index >= of {
@@ -107,46 +128,50 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         )));
     }
     let recipe = recipe(options)?;
-    let kept = options.cache.as_ref().map(|folder| folder.join(format!("{}.basis", recipe.name())));
-    if let Some(kept) = kept.as_ref().filter(|k| of == 1 && k.exists()) {
-        // A file of the cache is checked like any other: a damaged one is baked again.
-        if std::fs::read(kept).ok().is_some_and(|bytes| file::read(&bytes).is_ok()) {
-            std::fs::copy(kept, &options.out).map_err(|why| failed(&options.out, &why))?;
-            println!("{}: taken from the cache, nothing baked", options.out.display());
-            return Ok(());
-        }
+    let cache = options.cache.as_deref().filter(|_| of == 1).map(|folder| {
+        Cache::open(folder, u64::from(options.cache_mib) << 20)
+            .map_err(|why| failed(folder, &why))
+            .map(|c| (c, key(&recipe)))
+    });
+    let cache = cache.transpose()?;
+    if let Some(kept) = cache.as_ref().and_then(|(cache, key)| cache.whole(key, &recipe)) {
+        std::fs::copy(kept, out).map_err(|why| failed(out, &why))?;
+        println!("{}: taken from the cache, nothing baked", out.display());
+        return Ok(());
     }
-    bake(&recipe, index, of, &options.out)?;
-    if let Some(kept) = kept.filter(|_| of == 1) {
-        // Under another name first, so that the cache never shows half a file.
-        let partial = kept.with_extension("partial");
-        let put = kept
-            .parent()
-            .map_or(Ok(()), std::fs::create_dir_all)
-            .and_then(|()| std::fs::copy(&options.out, &partial))
-            .and_then(|_| std::fs::rename(&partial, &kept));
-        put.map_err(|why| failed(&kept, &why))?;
+    share::bake(&recipe, index, of, out)?;
+    if let Some((cache, key)) = cache {
+        cache.put_file(&key, out);
+        cache.complaints().iter().for_each(|what| eprintln!("{what}"));
     }
     Ok(())
+}
+
+/// The scenario, and its world before its first moment.
+fn world(options: &Options) -> Result<(Arc<Timeline>, World), Failure> {
+    let wrong = |why: String| Failure::Input(why);
+    let timeline = Arc::new(super::scenario::read(options.scenario.as_deref().unwrap_or_default())?);
+    for (name, at_s) in [("--at", Some(options.at)), ("--until", options.until)] {
+        if let Some(at_s) = at_s.filter(|at_s| !(*at_s >= 0.0 && *at_s <= timeline.duration_s)) {
+            return Err(wrong(format!("{name} {at_s}: the scenario runs from 0 to {} s", timeline.duration_s)));
+        }
+    }
+    let mut world = World::new();
+    let load = Command::Scenario(ScenarioEdit::Load(timeline.clone()));
+    world.apply(load).map_err(|refused| wrong(refused.to_string()))?;
+    Ok((timeline, world))
 }
 
 /// The recipe of a scenario's layer.
 fn recipe(options: &Options) -> Result<Recipe, Failure> {
     let wrong = |why: String| Failure::Input(why);
-    let name = options.scenario.as_deref().unwrap_or_default();
-    let timeline = super::scenario::read(name)?;
-    if !(options.at >= 0.0 && options.at <= timeline.duration_s) {
-        return Err(wrong(format!("--at {}: the scenario runs from 0 to {} s", options.at, timeline.duration_s)));
-    }
-    let mut world = World::new();
-    let load = Command::Scenario(ScenarioEdit::Load(Arc::new(timeline)));
-    world.apply(load).map_err(|refused| wrong(refused.to_string()))?;
+    let (timeline, mut world) = world(options)?;
     world.advance_to(options.at);
     let snapshot = world.snapshot(SHUTTER_S);
     let mut layers = snapshot.weather.layers.clone();
     layers.sort_by(|a, b| a.base_m.total_cmp(&b.base_m));
     let layer = layers.get(options.layer).ok_or_else(|| {
-        wrong(format!("--layer {}: {name} has {} layers at {} s", options.layer, layers.len(), options.at))
+        wrong(format!("--layer {}: {} has {} layers at {} s", options.layer, timeline.name, layers.len(), options.at))
     })?;
     let theta = Coverage::of(layer.kind).threshold(layer.coverage as f32).typical;
     let deck = Deck { kind: layer.kind, theta, density: layer.density as f32, thickness_m: layer.thickness_m as f32 };
@@ -204,109 +229,23 @@ fn within(recipe: Recipe, error: f64) -> Result<Recipe, Failure> {
     Ok(Recipe { packing: Packing { threshold, width }, ..recipe })
 }
 
-/// Bakes one share into a file, going on where one was left.
-fn bake(recipe: &Recipe, index: usize, of: usize, out: &Path) -> Result<(), Failure> {
-    let batches = recipe.batches();
-    let share = recipe.share(index, of);
-    let (mut file, done) = open(recipe, out)?;
-    // Whole batches only: the lights of half a batch are baked again.
-    let due: usize = batches[share.clone()].iter().map(std::ops::Range::len).sum();
-    let mut from = share.start;
-    let mut there = 0;
-    while from < share.end && there + batches[from].len() <= done.lights.len() {
-        there += batches[from].len();
-        from += 1;
-    }
-    if done.lights.first().is_some_and(|l| *l != batches[share.start].start) {
-        return Err(Failure::Input(format!("{}: holds another share of this bake", out.display())));
-    }
-    if done.lights.len() > due {
-        return Err(Failure::Input(format!("{}: holds more than this share; it is not cut", out.display())));
-    }
-    let end = done.offsets.get(there).copied().unwrap_or(done.header);
-    file.set_len(end).and_then(|()| file.seek(SeekFrom::Start(end))).map_err(|why| failed(out, &why))?;
-    if there > 0 {
-        println!("{}: going on after {there} of {due} lights", out.display());
-    }
-    let progress = Progress::new("baking lights", due);
-    let mut baked = there;
-    let outcome = recipe.bake(from..share.end, |light, block| {
-        file.write_all(&file::block(recipe, light, &block))?;
-        baked += 1;
-        progress.show(baked);
-        Ok::<(), std::io::Error>(())
-    });
-    drop(progress);
-    outcome.map_err(|why| match why {
-        BakeError::Sink(why) => failed(out, &why),
-        other @ BakeError::Solve { .. } => Failure::Run(other.to_string()),
-    })?;
-    if of == 1 {
-        finish(recipe, &mut file, out)?;
-    }
-    file.sync_all().map_err(|why| failed(out, &why))?;
-    println!("{}: {baked} lights of {}", out.display(), recipe.lights.len());
-    Ok(())
-}
-
-/// What a file of this bake holds already.
-struct Done {
-    /// Bytes of the header.
-    header: u64,
-    lights: Vec<usize>,
-    /// Where each light's block begins, and where the last one ends.
-    offsets: Vec<u64>,
-}
-
-/// Opens the file, new or begun by the same recipe; any other file is left alone.
-fn open(recipe: &Recipe, out: &Path) -> Result<(File, Done), Failure> {
-    let header = file::header(recipe);
-    let mut done = Done { header: header.len() as u64, lights: Vec::new(), offsets: Vec::new() };
-    let old = match std::fs::metadata(out) {
-        Err(why) if why.kind() == std::io::ErrorKind::NotFound => Vec::new(),
-        Ok(found) if !found.is_file() => return Err(Failure::Input(format!("{}: is no file", out.display()))),
-        _ => std::fs::read(out).map_err(|why| failed(out, &why))?,
-    };
-    let mut file =
-        File::options().create(true).truncate(false).write(true).open(out).map_err(|why| failed(out, &why))?;
-    // A bake killed in the header has written a part of just these bytes.
-    if old.len() < header.len() && header.starts_with(&old) {
-        file.write_all(&header).map_err(|why| failed(out, &why))?;
-        return Ok((file, done));
-    }
-    let contents = file::scan(&old, true).map_err(|why| Failure::Input(format!("{}: {why}", out.display())))?;
-    if contents.recipe != *recipe {
-        return Err(Failure::Input(format!("{}: is of another bake; it is not written over", out.display())));
-    }
-    let mut at = done.header;
-    for (light, block) in &contents.blocks {
-        done.lights.push(*light);
-        done.offsets.push(at);
-        at += file::block(recipe, *light, block).len() as u64;
-    }
-    done.offsets.push(at);
-    Ok((file, done))
-}
-
-/// Writes the trailer of a whole bake.
-fn finish(recipe: &Recipe, file: &mut File, out: &Path) -> Result<(), Failure> {
-    let bytes = std::fs::read(out).map_err(|why| failed(out, &why))?;
-    let contents = file::scan(&bytes, false).map_err(|why| Failure::Run(format!("{}: {why}", out.display())))?;
-    let blocks: Vec<_> = contents.blocks.into_iter().map(|(_, block)| block).collect();
-    file.write_all(&file::trailer(&blocks, recipe)).map_err(|why| failed(out, &why))
-}
-
 /// Joins shares.
 fn merge(shares: &[PathBuf], out: &Path) -> Result<(), Failure> {
-    let read: Result<Vec<Vec<u8>>, Failure> = shares
-        .iter()
-        .map(|path| std::fs::read(path).map_err(|why| Failure::Input(format!("{}: {why}", path.display()))))
-        .collect();
-    let read = read?;
-    let borrowed: Vec<&[u8]> = read.iter().map(|bytes| &bytes[..]).collect();
-    let whole = file::merge(&borrowed).map_err(|why| Failure::Input(why.to_string()))?;
-    std::fs::write(out, &whole).map_err(|why| failed(out, &why))?;
-    println!("{}: {} shares, {} bytes", out.display(), shares.len(), whole.len());
+    // Under another name first: the file may be one of the shares.
+    let partial = out.with_extension("partial");
+    let mut file = BufWriter::new(File::create(&partial).map_err(|why| failed(&partial, &why))?);
+    let open = |i: usize| File::open(&shares[i]).map(BufReader::new);
+    let joined = file::join(shares.len(), open, &mut file).map_err(|why| match why {
+        JoinError::Share(i, why) => Failure::Input(format!("{}: {why}", shares[i].display())),
+        JoinError::Whole(why) => Failure::Input(why.to_string()),
+        JoinError::Write(why) => failed(&partial, &why),
+    });
+    let mut put = || file.flush().and_then(|()| std::fs::rename(&partial, out)).map_err(|why| failed(out, &why));
+    let lights = joined.and_then(|lights| put().map(|()| lights)).inspect_err(|_| {
+        // What is left of it is nothing.
+        let _gone = std::fs::remove_file(&partial);
+    })?;
+    println!("{}: {} shares, {lights} lights", out.display(), shares.len());
     Ok(())
 }
 
@@ -315,112 +254,4 @@ fn failed(path: &Path, why: &std::io::Error) -> Failure {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn options(out: &Path) -> Options {
-        Options {
-            scenario: Some("overcast-night-cities".into()),
-            out: out.to_path_buf(),
-            at: 0.0,
-            layer: 0,
-            tolerance: 1e-2,
-            width: None,
-            threshold: None,
-            error: None,
-            interval: None,
-            fall: 1e-6,
-            content: "diffuse".into(),
-            cells: [8, 8, 2],
-            lights: [2, 2, 3],
-            index: None,
-            of: None,
-            merge: Vec::new(),
-            cache: None,
-        }
-    }
-
-    /// A folder of its own, gone at the end.
-    struct Folder(PathBuf);
-
-    impl Folder {
-        fn new(name: &str) -> Self {
-            let path = std::env::temp_dir().join(format!("stormdeck-bake-{name}-{}", std::process::id()));
-            std::fs::create_dir_all(&path).expect("a folder");
-            Self(path)
-        }
-    }
-
-    impl Drop for Folder {
-        fn drop(&mut self) {
-            let _ = std::fs::remove_dir_all(&self.0);
-        }
-    }
-
-    #[test]
-    fn shares_torn_files_and_the_cache_all_give_the_same_bytes() {
-        let folder = Folder::new("same");
-        let at = |name: &str| folder.0.join(name);
-        let cache = Some(at("cache"));
-        run(&Options { cache: cache.clone(), ..options(&at("whole")) }).expect("baked");
-        let whole = std::fs::read(at("whole")).expect("written");
-        assert_eq!(file::read(&whole).expect("a basis").blocks.len(), 12);
-        for index in 0..3 {
-            let share = at(&format!("share{index}"));
-            run(&Options { index: Some(index), of: Some(3), ..options(&share) }).expect("baked");
-        }
-        let merge = vec![at("share2"), at("share0"), at("share1")];
-        run(&Options { scenario: None, merge, ..options(&at("merged")) }).expect("merged");
-        assert_eq!(std::fs::read(at("merged")).expect("written"), whole);
-        // Killed anywhere: in the header, in a block, between blocks, in the trailer, and not at all.
-        let steps = (0..=24).map(|i| whole.len() * i / 24);
-        for cut in steps.chain([5, 700, whole.len() - 3]) {
-            std::fs::write(at("torn"), &whole[..cut]).expect("written");
-            run(&options(&at("torn"))).expect("gone on with");
-            assert_eq!(std::fs::read(at("torn")).expect("written"), whole, "{cut}");
-        }
-        run(&Options { cache, ..options(&at("cached")) }).expect("copied");
-        assert_eq!(std::fs::read(at("cached")).expect("written"), whole);
-    }
-
-    #[test]
-    fn a_target_error_is_kept_by_every_width_that_can() {
-        let folder = Folder::new("error");
-        for (width, error) in [(Width::F32, 0.01), (Width::F16, 0.03), (Width::Log8, 0.06)] {
-            let out = folder.0.join(format!("{width:?}"));
-            run(&Options { width: Some(width), error: Some(error), interval: Some(4_000.0), ..options(&out) })
-                .expect("baked");
-            let basis = file::read(&std::fs::read(&out).expect("written")).expect("a basis");
-            assert_eq!(basis.recipe.packing.width, width);
-            // A sample told the threshold: the other lights may be a little worse.
-            assert!(basis.error() < 1.5 * error && basis.error() > 0.1 * error, "{width:?}: {}", basis.error());
-            // Below the layer lights stand farther and farther apart.
-            assert!(basis.recipe.lights.z_m[0] < 0.0);
-        }
-    }
-
-    #[test]
-    fn other_files_are_left_alone_and_bad_options_are_told() {
-        let folder = Folder::new("alone");
-        let other = folder.0.join("other");
-        std::fs::write(&other, vec![7; 5000]).expect("written");
-        assert!(matches!(run(&options(&other)), Err(Failure::Input(_))));
-        assert_eq!(std::fs::read(&other).expect("there"), vec![7; 5000]);
-        let out = folder.0.join("out");
-        for bad in [
-            Options { layer: 99, ..options(&out) },
-            Options { at: -1.0, ..options(&out) },
-            Options { cells: [7, 8, 2], ..options(&out) },
-            Options { lights: [0, 1, 1], ..options(&out) },
-            Options { interval: Some(-1.0), ..options(&out) },
-            Options { threshold: Some(f64::NAN), ..options(&out) },
-            Options { error: Some(1.5), ..options(&out) },
-            Options { tolerance: 0.0, ..options(&out) },
-            Options { index: Some(3), of: Some(3), ..options(&out) },
-            Options { scenario: Some("no such".into()), ..options(&out) },
-        ] {
-            assert!(matches!(run(&bad), Err(Failure::Input(_))), "{bad:?}");
-        }
-        assert!(!out.exists());
-    }
-}
+mod tests;

@@ -65,6 +65,12 @@ pub(super) struct Options {
     /// How flashes light the clouds: point, single, basis, hybrid, solve or reference.
     #[arg(long, value_name = "METHOD", value_parser = relight)]
     relight: Option<Lighting>,
+    /// A folder that keeps tables of virtual lights by content (for `basis` and `hybrid`), so that nothing is baked twice.
+    #[arg(long, value_name = "FOLDER")]
+    basis_cache: Option<PathBuf>,
+    /// MiB that the tables in that folder may take.
+    #[arg(long, value_name = "MIB", default_value_t = 1024, requires = "basis_cache", value_parser = clap::value_parser!(u32).range(limits::BASIS_CACHE_MIB.min as i64..=limits::BASIS_CACHE_MIB.max as i64))]
+    basis_cache_mib: u32,
     /// Prints the plan of the (first) picture: each pass, kept or left out, and why.
     #[arg(long)]
     explain: bool,
@@ -87,7 +93,7 @@ fn sea_level(text: &str) -> Result<f64, String> {
     }
 }
 
-fn relight(text: &str) -> Result<Lighting, String> {
+pub(super) fn relight(text: &str) -> Result<Lighting, String> {
     let names = Lighting::ALL.map(Lighting::name).join(", ");
     Lighting::ALL.into_iter().find(|method| method.name() == text).ok_or_else(|| format!("one of {names}"))
 }
@@ -142,7 +148,8 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         explain(&first);
     }
     let Some((path, format)) = out else { return Ok(()) };
-    let (mut executor, why) = executor::make(options.executor)?;
+    let tables = executor::tables(options.basis_cache.as_deref(), options.basis_cache_mib)?;
+    let (mut executor, why) = executor::make(options.executor, &tables)?;
     eprintln!("drawn by {why}");
 
     // As many pictures are under way as the executor has room for; they come back in order.
@@ -165,6 +172,12 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     while !under_way.is_empty() {
         collect(executor.as_mut(), &mut under_way, &mut written, path, format, times.len())?;
         progress.show(written);
+    }
+    drop(progress);
+    tables.complaints().iter().for_each(|what| eprintln!("{what}"));
+    let status = tables.status();
+    if status.of > 0 {
+        eprintln!("tables of virtual lights: {} lights baked, {} read", status.baked, status.read);
     }
     Ok(())
 }

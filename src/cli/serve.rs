@@ -57,8 +57,10 @@ pub(super) fn run(options: Options) -> Result<(), Failure> {
         settings.timeline(name).map_err(|refused| Failure::Input(refused.to_string()))?;
     }
     let choice = settings.executor;
+    // They outlive a device that is lost.
+    let tables = executor::tables(settings.basis_cache.as_deref(), settings.basis_cache_mib)?;
     let factory = Box::new(move || {
-        let (executor, why) = executor::make(choice)?;
+        let (executor, why) = executor::make(choice, &tables)?;
         tracing::info!("drawn by {why}");
         Ok(executor)
     });

@@ -25,12 +25,14 @@ mod textures;
 #[cfg(test)]
 mod tests;
 
+use crate::passes::relight::tables::Tables;
 use crate::plan::executor::{Executor, Fault, Finished};
 use crate::plan::{FramePlan, Output};
 use device::Gpu;
 use pipelines::Pipelines;
 use resident::Resident;
 use ring::Ring;
+use std::sync::Arc;
 use targets::Targets;
 
 /// All WGSL modules by name, as they are compiled: `common.wgsl` stands before those that use it.
@@ -61,9 +63,17 @@ impl GpuExecutor {
     /// # Errors
     /// [`Fault::NoAdapter`] where there is none, [`Fault::Unsupported`] where it cannot blend into float targets.
     pub fn new() -> Result<Self, Fault> {
+        Self::with_tables(Arc::default())
+    }
+
+    /// As [`GpuExecutor::new`], with these tables of virtual lights, which it may share with others.
+    ///
+    /// # Errors
+    /// As [`GpuExecutor::new`].
+    pub fn with_tables(tables: Arc<Tables>) -> Result<Self, Fault> {
         let gpu = Gpu::open()?;
         let pipelines = Pipelines::new(&gpu);
-        let resident = Resident::new(&gpu);
+        let resident = Resident::new(&gpu, tables);
         gpu.check()?;
         Ok(Self { gpu, pipelines, resident, targets: Targets::default(), ring: Ring::default() })
     }
@@ -93,6 +103,10 @@ impl Executor for GpuExecutor {
 
     fn depth(&self) -> usize {
         ring::DEPTH
+    }
+
+    fn tables(&self) -> Option<Arc<Tables>> {
+        Some(self.resident.fields.tables())
     }
 
     fn object_count(&self) -> usize {

@@ -3,6 +3,7 @@
 use super::device::Gpu;
 use super::textures::empty;
 use crate::passes::relight::store::Store;
+use crate::passes::relight::tables::Tables;
 use crate::passes::relight::{FIELDS, Field, HEIGHT, Prepared, WIDTH};
 use crate::plan::FramePlan;
 use half::f16;
@@ -19,7 +20,6 @@ pub struct Bound {
 }
 
 /// Fields that are kept, and the texture that holds those of the last picture.
-#[derive(Default)]
 pub struct Fields {
     store: Store,
     /// Bound where no field is.
@@ -33,6 +33,16 @@ struct Atlas {
 }
 
 impl Fields {
+    /// None yet, over these tables.
+    pub fn new(tables: Arc<Tables>) -> Self {
+        Self { store: Store::new(tables), dark: None, atlas: None }
+    }
+
+    /// The tables of virtual lights.
+    pub fn tables(&self) -> Arc<Tables> {
+        self.store.tables().clone()
+    }
+
     /// Makes the fields of a plan and binds them.
     pub fn bind(&mut self, gpu: &Gpu, plan: &FramePlan) -> Bound {
         self.store.tables().set_most((plan.basis_memory_mib as usize) << 20);

@@ -13,6 +13,7 @@ use crate::passes::deck::field::{BOUNDS_WIDTH, empty_space};
 use crate::passes::deck::glow::{self, CityGlow, GlowWindow};
 use crate::passes::light::volume::Volume;
 use crate::passes::light::{Light, library};
+use crate::passes::relight::tables::Tables;
 use crate::passes::shadow::table as columns;
 use crate::passes::shadow::{Columns, shade};
 use crate::passes::sky::table::{self, TableParams};
@@ -20,6 +21,7 @@ use crate::passes::sky::{Stars, stars};
 use crate::plan::GlowPlan;
 use crate::plan::executor::Unused;
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 /// Light volumes kept at once (2 MiB for each theta in 8 bits), or as many as one picture needs.
 pub const VOLUMES_KEPT: usize = 4;
@@ -62,8 +64,8 @@ pub struct Resident {
 }
 
 impl Resident {
-    /// Uploads what every frame reads.
-    pub fn new(gpu: &Gpu) -> Self {
+    /// Uploads what every frame reads; flashes are drawn by these tables.
+    pub fn new(gpu: &Gpu, tables: Arc<Tables>) -> Self {
         use wgpu::AddressMode::{ClampToEdge, Repeat};
         use wgpu::MipmapFilterMode::{Linear, Nearest};
         let byte = wgpu::TextureFormat::R8Unorm;
@@ -95,7 +97,7 @@ impl Resident {
             shades: Vec::new(),
             glow: None,
             stars: None,
-            fields: Fields::default(),
+            fields: Fields::new(tables),
             cloudless: Unused::default(),
         }
     }

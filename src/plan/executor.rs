@@ -1,7 +1,9 @@
 //! What plays a plan: the contract of the GPU executor and the reference executor.
 
 use crate::frame::Pixels;
+use crate::passes::relight::tables::Tables;
 use crate::plan::FramePlan;
+use std::sync::Arc;
 use std::time::Duration;
 
 /// Our own failure (not a client's): said once in the log, counted, never silent.
@@ -73,6 +75,11 @@ pub trait Executor {
 
     /// How many tickets may be under way at once (the read-back ring).
     fn depth(&self) -> usize;
+
+    /// The tables of virtual lights that it draws flashes by, so that others can tell how far they are; `None`: it has none.
+    fn tables(&self) -> Option<Arc<Tables>> {
+        None
+    }
 
     /// Buffers, textures, views and bind groups held on the device now; 0 where there is none. Flat in the long run.
     fn object_count(&self) -> usize {

@@ -17,7 +17,7 @@ use crate::passes::light::volume::{Texels, Volume};
 use crate::passes::relief::Relief;
 use crate::passes::relief::field::Grids;
 use crate::passes::relief::window::{Tiles, Window, highest_m};
-use crate::passes::relight::{self, Lits, store::Store};
+use crate::passes::relight::{self, Lits, store::Store, tables::Tables};
 use crate::passes::shadow::table::{self, Table};
 use crate::passes::shadow::twin::Caster;
 use crate::passes::shadow::{Columns, shade};
@@ -65,6 +65,11 @@ impl ReferenceExecutor {
         Self::default()
     }
 
+    /// An executor with these tables of virtual lights, which it may share with others.
+    pub fn with_tables(tables: Arc<Tables>) -> Self {
+        Self { fields: Store::new(tables), ..Self::default() }
+    }
+
     /// What is held for the pictures to come, by name, in bytes. What is nothing is left out.
     pub fn held(&self) -> Vec<(&'static str, usize)> {
         let volume = |volume: &Volume| match &volume.texels {
@@ -83,6 +88,7 @@ impl ReferenceExecutor {
             ("lamps", nodes(&self.lights) + self.light_tiles.bytes()),
             ("city glow", self.glow.as_ref().map_or(0, |(_, glow)| size_of_val(glow.as_slice()))),
             ("fields of flashes", self.fields.len() * FIELD_BYTES),
+            ("tables of flashes", self.fields.tables().bytes()),
         ];
         all.into_iter().filter(|(_, bytes)| *bytes > 0).collect()
     }
@@ -392,6 +398,10 @@ impl Executor for ReferenceExecutor {
 
     fn depth(&self) -> usize {
         1
+    }
+
+    fn tables(&self) -> Option<Arc<Tables>> {
+        Some(self.fields.tables().clone())
     }
 }
 

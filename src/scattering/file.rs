@@ -1,15 +1,19 @@
 //! The basis file: a recipe and its blocks as bytes, with checksums; shares, merging, resuming (`protocol/basis-file.md`).
 
+mod join;
+mod read;
+
+pub use join::{JoinError, join};
+pub use read::{Blocks, Contents, read, scan};
+
 use super::basis::{Basis, Content, Recipe};
-use super::compress::{Block, Packing, Values, Width};
+use super::compress::{Block, Values, Width};
 use super::krylov::Method;
-use super::lights::{Lights, MOST_LIGHTS};
-use super::medium::{MOST_CELLS, Medium, MediumError};
-use super::ordinates::{Ground, Params, Treatment};
+use super::medium::MediumError;
+use super::ordinates::{Ground, Treatment};
 use super::phase::Phase;
-use crate::bytes::{Reader, TooShort, Writer};
+use crate::bytes::{TooShort, Writer};
 use crate::numeric::sphere::Rule;
-use half::f16;
 
 /// First bytes of every basis file.
 pub const MAGIC: &[u8; 8] = b"SDBASIS\0";
@@ -19,6 +23,8 @@ pub const VERSION: u32 = 3;
 const TRAILER: u32 = u32::MAX;
 /// Most levels of lights and most lights a level; their product has its own limit.
 const MOST_LEVELS: usize = 1 << 16;
+/// Name of what stands behind a trailer, in [`FileError::Value`].
+pub const AFTER_THE_END: &str = "bytes after the end";
 /// Bytes of the trailer's content.
 const TRAILER_BYTES: usize = 32;
 
@@ -41,7 +47,7 @@ pub enum FileError {
     #[error("{field} is {value}: {limit}")]
     Value {
         /// Which one.
-        field: String,
+        field: &'static str,
         /// What it is.
         value: f64,
         /// What it must be.
@@ -61,19 +67,9 @@ pub enum FileError {
     /// Shares of different recipes.
     #[error("share {0} is of another recipe")]
     Mixed(usize),
-}
-
-/// What a file holds so far, for resuming and merging.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Contents {
-    /// What it was made by.
-    pub recipe: Recipe,
-    /// Lights and their blocks, in the order of the file.
-    pub blocks: Vec<(usize, Block)>,
-    /// Bytes up to the end of the last whole block: where writing may go on.
-    pub sound_bytes: usize,
-    /// Whether the trailer is there: the basis is complete.
-    pub complete: bool,
+    /// The system did not hand the bytes over.
+    #[error("cannot be read: {0}")]
+    Unreadable(String),
 }
 
 /// FNV-1a, 64 bits, with a salt.
@@ -159,16 +155,34 @@ pub fn block(recipe: &Recipe, light: usize, block: &Block) -> Vec<u8> {
     framed(light as u32, &body.into_bytes())
 }
 
-/// The end of a complete file: number of lights, sums of squares of coefficients and of their error (the measured error
-/// of storing is the root of their ratio), and a checksum of the header and that number.
-pub fn trailer(blocks: &[Block], recipe: &Recipe) -> Vec<u8> {
-    let mut body = Writer::default();
-    body.put_u64_le(blocks.len() as u64);
-    for k in 0..2 {
-        body.put_f64_le(blocks.iter().map(|b| b.squares[k]).sum());
+/// The end of a complete file, gathered light by light: their number, sums of squares of coefficients and of their error (the
+/// measured error of storing is the root of their ratio), and a checksum of the header and that number.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Trailer {
+    lights: usize,
+    squares: [f64; 2],
+}
+
+impl Trailer {
+    /// The next light, by its block's sums of squares.
+    pub fn add(&mut self, squares: [f64; 2]) {
+        self.lights += 1;
+        (0..2).for_each(|k| self.squares[k] += squares[k]);
     }
-    body.put_u64_le(hash(&header(recipe), blocks.len() as u64));
-    framed(TRAILER, &body.into_bytes())
+
+    /// Lights so far.
+    pub fn lights(&self) -> usize {
+        self.lights
+    }
+
+    /// The trailer's bytes.
+    pub fn bytes(&self, recipe: &Recipe) -> Vec<u8> {
+        let mut body = Writer::default();
+        body.put_u64_le(self.lights as u64);
+        self.squares.iter().for_each(|sum| body.put_f64_le(*sum));
+        body.put_u64_le(hash(&header(recipe), self.lights as u64));
+        framed(TRAILER, &body.into_bytes())
+    }
 }
 
 fn framed(light: u32, body: &[u8]) -> Vec<u8> {
@@ -183,236 +197,13 @@ fn framed(light: u32, body: &[u8]) -> Vec<u8> {
 /// A whole basis as bytes.
 pub fn write(basis: &Basis) -> Vec<u8> {
     let mut out = header(&basis.recipe);
+    let mut trailer = Trailer::default();
     for (light, b) in basis.blocks.iter().enumerate() {
         out.extend(block(&basis.recipe, light, b));
+        trailer.add(b.squares);
     }
-    out.extend(trailer(&basis.blocks, &basis.recipe));
+    out.extend(trailer.bytes(&basis.recipe));
     out
-}
-
-/// A whole basis from bytes.
-///
-/// # Errors
-/// [`FileError`] says what is wrong first.
-pub fn read(bytes: &[u8]) -> Result<Basis, FileError> {
-    let contents = scan(bytes, false)?;
-    if !contents.complete {
-        return Err(FileError::Order { found: contents.blocks.len() as u32, expected: TRAILER });
-    }
-    let blocks: Vec<Block> = contents.blocks.into_iter().map(|(_, b)| b).collect();
-    if blocks.len() != contents.recipe.lights.len() {
-        return Err(FileError::Order { found: TRAILER, expected: blocks.len() as u32 });
-    }
-    Ok(Basis { recipe: contents.recipe, blocks })
-}
-
-/// What bytes hold. With `torn`, a last block that is cut off or damaged ends the reading and is no error: what a killed
-/// bake leaves.
-///
-/// # Errors
-/// [`FileError`].
-pub fn scan(bytes: &[u8], torn: bool) -> Result<Contents, FileError> {
-    let mut reader = Reader::new(bytes);
-    if reader.take(MAGIC.len()).ok() != Some(&MAGIC[..]) {
-        return Err(FileError::Foreign);
-    }
-    let version = reader.u32_le()?;
-    if version != VERSION {
-        return Err(FileError::Version(version));
-    }
-    let length = reader.u32_le()? as usize;
-    let body = reader.take(length)?;
-    if hash(body, 0) != reader.u64_le()? {
-        return Err(FileError::Damaged("the header".into()));
-    }
-    let recipe = recipe(body)?;
-    let mut contents = Contents { recipe, blocks: Vec::new(), sound_bytes: reader.offset(), complete: false };
-    while !reader.rest().is_empty() && !contents.complete {
-        match next(&mut reader, &contents) {
-            Ok(Some(found)) => contents.blocks.push(found),
-            Ok(None) => contents.complete = true,
-            Err(_) if torn => break,
-            Err(error) => return Err(error),
-        }
-        contents.sound_bytes = reader.offset();
-    }
-    if contents.complete && !reader.rest().is_empty() {
-        let value = reader.rest().len() as f64;
-        return Err(FileError::Value { field: "bytes after the end".into(), value, limit: "0" });
-    }
-    Ok(contents)
-}
-
-/// Joins the shares of one recipe, in any order; gives the bytes of the whole.
-///
-/// # Errors
-/// [`FileError`]: a damaged share, another recipe, missing or doubled lights.
-pub fn merge(shares: &[&[u8]]) -> Result<Vec<u8>, FileError> {
-    let mut all: Option<(Recipe, Vec<(usize, Block)>)> = None;
-    for (i, bytes) in shares.iter().enumerate() {
-        let contents = scan(bytes, false)?;
-        match &mut all {
-            None => all = Some((contents.recipe, contents.blocks)),
-            Some((recipe, blocks)) => {
-                if *recipe != contents.recipe {
-                    return Err(FileError::Mixed(i));
-                }
-                blocks.extend(contents.blocks);
-            }
-        }
-    }
-    let (recipe, mut blocks) = all.ok_or(FileError::Foreign)?;
-    blocks.sort_by_key(|(light, _)| *light);
-    for (i, (light, _)) in blocks.iter().enumerate() {
-        if *light != i {
-            return Err(FileError::Order { found: *light as u32, expected: i as u32 });
-        }
-    }
-    if blocks.len() != recipe.lights.len() {
-        return Err(FileError::Order { found: TRAILER, expected: blocks.len() as u32 });
-    }
-    Ok(write(&Basis { recipe, blocks: blocks.into_iter().map(|(_, b)| b).collect() }))
-}
-
-/// The next block, or none for the trailer.
-fn next(reader: &mut Reader, so_far: &Contents) -> Result<Option<(usize, Block)>, FileError> {
-    let light = reader.u32_le()?;
-    let length = reader.u32_le()? as usize;
-    let sum = reader.u64_le()?;
-    let body = reader.take(length)?;
-    if hash(body, u64::from(light)) != sum {
-        let what = if light == TRAILER { "the trailer".into() } else { format!("the block of light {light}") };
-        return Err(FileError::Damaged(what));
-    }
-    if light == TRAILER {
-        if length != TRAILER_BYTES {
-            return Err(FileError::Value { field: "trailer".into(), value: length as f64, limit: "32 bytes" });
-        }
-        return Ok(None);
-    }
-    // Shares begin anywhere, but go on one by one.
-    let expected = so_far.blocks.last().map_or(light as usize, |(l, _)| l + 1);
-    if light as usize != expected || expected >= so_far.recipe.lights.len() {
-        return Err(FileError::Order { found: light, expected: expected as u32 });
-    }
-    Ok(Some((light as usize, decode(body, &so_far.recipe)?)))
-}
-
-fn decode(body: &[u8], recipe: &Recipe) -> Result<Block, FileError> {
-    let refuse = |field: &str, value: f64, limit| Err(FileError::Value { field: field.into(), value, limit });
-    let mut r = Reader::new(body);
-    let cells = recipe.medium.len();
-    let squares = [r.f64_le()?, r.f64_le()?];
-    let (mut counts, mut gammas, mut means, mut scales) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    let mut total = 0_usize;
-    for _ in 0..recipe.components() {
-        let count = r.u32_le()?;
-        if count as usize > cells {
-            return refuse("count", f64::from(count), "at most the number of cells");
-        }
-        total += count as usize;
-        counts.push(count);
-        for list in [&mut gammas, &mut means, &mut scales] {
-            let value = r.f32_le()?;
-            if !value.is_finite() {
-                return refuse("scale", f64::from(value), "finite");
-            }
-            list.push(value);
-        }
-    }
-    // Checked against what is there before room is made for it.
-    let each = match recipe.packing.width {
-        Width::F32 => 4,
-        Width::F16 => 2,
-        Width::Log8 => 1,
-    };
-    let gaps = r.u32_le()? as usize;
-    if total.checked_mul(each).and_then(|n| n.checked_add(gaps)) != Some(r.rest().len()) {
-        return refuse("bytes of coefficients", r.rest().len() as f64, "as the counts say");
-    }
-    let gaps = r.take(gaps)?.to_vec();
-    let values = match recipe.packing.width {
-        Width::F32 => Values::F32((0..total).map(|_| r.f32_le()).collect::<Result<_, _>>()?),
-        Width::F16 => Values::F16((0..total).map(|_| r.u16_le().map(f16::from_bits)).collect::<Result<_, _>>()?),
-        Width::Log8 => Values::Log8(r.take(total)?.to_vec()),
-    };
-    let finite = match &values {
-        Values::F32(v) => v.iter().all(|v| v.is_finite()),
-        Values::F16(v) => v.iter().all(|v| v.is_finite()),
-        Values::Log8(_) => true,
-    };
-    if !finite || !squares.iter().all(|s| s.is_finite()) {
-        return refuse("coefficient", f64::NAN, "finite");
-    }
-    let block = Block { counts, gammas, means, scales, gaps, values, squares };
-    if !block.fits(cells) {
-        return refuse("places of coefficients", block.gaps.len() as f64, "one for each, below the number of cells");
-    }
-    Ok(block)
-}
-
-fn recipe(body: &[u8]) -> Result<Recipe, FileError> {
-    let mut r = Reader::new(body);
-    let refuse = |field: &str, value: f64, limit| FileError::Value { field: field.into(), value, limit };
-    let pick = |field: &str, value: u8, most: u8| {
-        if value <= most { Ok(value) } else { Err(refuse(field, f64::from(value), "a known choice")) }
-    };
-    let content = if pick("content", r.u8()?, 1)? == 0 { Content::Total } else { Content::Diffuse };
-    let width = [Width::F32, Width::F16, Width::Log8][usize::from(pick("width", r.u8()?, 2)?)];
-    let threshold = r.f64_le()?;
-    let rule = Rule::ALL[usize::from(pick("rule", r.u8()?, 2)?)];
-    let treatment = if pick("treatment", r.u8()?, 1)? == 0 { Treatment::DeltaM } else { Treatment::Truncated };
-    let method =
-        [None, Some(Method::SourceIteration), Some(Method::BiCgStab)][usize::from(pick("method", r.u8()?, 2)?)];
-    let kind = pick("phase", r.u8()?, 1)?;
-    let lobes = [(r.f64_le()?, r.f64_le()?), (r.f64_le()?, r.f64_le()?)];
-    let phase = if kind == 0 { Phase::HenyeyGreenstein(lobes[0].0) } else { Phase::CornetteShanks(lobes) };
-    let (albedo, tolerance) = (r.f64_le()?, r.f64_le()?);
-    let (most_sweeps, rays) = (r.u64_le()? as usize, r.u64_le()? as usize);
-    let (ground_albedo, depth_m) = (r.f64_le()?, r.f64_le()?);
-    let ground = (depth_m >= 0.0).then_some(Ground { albedo: ground_albedo, depth_m });
-    let params = Params { rule, phase, treatment, albedo, ground, tolerance, most_sweeps, method, rays };
-    super::ordinates::check(&params).map_err(|e| match e {
-        super::ordinates::SolveError::Parameter { field, value, limit } => refuse(field, value, limit),
-        _ => refuse("parameters", f64::NAN, "legal"),
-    })?;
-    if !(0.0..=1.0).contains(&threshold) {
-        return Err(refuse("threshold", threshold, "0 to 1"));
-    }
-    let period = [r.f64_le()?, r.f64_le()?];
-    let mut lists: [Vec<f64>; 3] = Default::default();
-    for list in &mut lists {
-        let count = r.u32_le()? as usize;
-        if count == 0 || count > MOST_LEVELS || r.rest().len() < 8 * count {
-            return Err(refuse("lights along an axis", count as f64, "1 to 65,536, and all there"));
-        }
-        *list = (0..count).map(|_| r.f64_le()).collect::<Result<_, _>>()?;
-        if !list.iter().all(|v| v.is_finite()) || list.windows(2).any(|w| w[1] <= w[0]) {
-            return Err(refuse("positions of lights", f64::NAN, "finite and ascending"));
-        }
-    }
-    let [x_m, y_m, z_m] = lists;
-    let count = x_m.len().saturating_mul(y_m.len()).saturating_mul(z_m.len());
-    if count > MOST_LIGHTS {
-        return Err(refuse("lights", count as f64, "at most 1,048,576"));
-    }
-    let periodic = pick("periodic", r.u8()?, 1)? == 1;
-    if periodic && !period.iter().all(|p| p.is_finite() && *p > 0.0) {
-        return Err(refuse("period_m", period[0], "finite and positive"));
-    }
-    let mut cells = [0; 3];
-    for n in &mut cells {
-        *n = r.u32_le()? as usize;
-    }
-    let spacing_m = [r.f64_le()?, r.f64_le()?, r.f64_le()?];
-    let needed = cells.iter().try_fold(1_usize, |n, c| n.checked_mul(*c)).filter(|n| *n <= MOST_CELLS);
-    if needed.and_then(|n| n.checked_mul(4)) != Some(r.rest().len()) {
-        return Err(refuse("bytes of the medium", r.rest().len() as f64, "four a cell"));
-    }
-    let values = (0..needed.unwrap_or(0)).map(|_| r.f32_le()).collect::<Result<_, _>>()?;
-    let medium = Medium::new(cells, spacing_m, values, periodic)?;
-    let lights = Lights { x_m, y_m, z_m, period_m: periodic.then_some(period) };
-    Ok(Recipe { medium, params, lights, content, packing: Packing { threshold, width } })
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use super::cigi::counters::Counters;
 use super::stages::{Stage, Stages};
 use crate::frame::LatencyStamps;
+use crate::passes::relight::tables::{Status, Tables};
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -52,6 +53,7 @@ pub(super) struct Metrics {
     /// The CIGI port.
     pub(super) cigi: Arc<Counters>,
     executor: Mutex<String>,
+    tables: Mutex<Option<Arc<Tables>>>,
     views: Mutex<BTreeMap<String, ViewCounts>>,
     /// From the plan to the pixels.
     pub(super) render: Summary,
@@ -130,6 +132,7 @@ impl Metrics {
             simulation_time: zero(),
             cigi: Arc::default(),
             executor: Mutex::default(),
+            tables: Mutex::default(),
             views: Mutex::default(),
             render: Summary::default(),
             encode: Summary::default(),
@@ -152,6 +155,16 @@ impl Metrics {
 
     pub(super) fn set_executor(&self, description: String) {
         *lock(&self.executor) = description;
+    }
+
+    /// Takes the tables of virtual lights of what draws, to tell how far they are.
+    pub(super) fn set_tables(&self, tables: Option<Arc<Tables>>) {
+        *lock(&self.tables) = tables;
+    }
+
+    /// The tables of virtual lights of what draws, if it has any.
+    pub(super) fn tables(&self) -> Option<Arc<Tables>> {
+        lock(&self.tables).clone()
     }
 
     pub(super) fn executor(&self) -> String {
@@ -213,6 +226,9 @@ impl Metrics {
         for (name, help, value) in gauges {
             single(&mut out, name, help, "gauge", value);
         }
+        if let Some(tables) = self.tables() {
+            tables_text(&mut out, &tables.status());
+        }
         if let Some(bytes) = resident_bytes() {
             single(&mut out, "resident_bytes", "Resident memory", "gauge", bytes as f64);
         }
@@ -256,6 +272,23 @@ impl Metrics {
             }
         }
     }
+}
+
+fn tables_text(out: &mut String, status: &Status) {
+    let counters = [
+        ("basis_lights_baked_total", "Virtual lights baked", status.baked),
+        ("basis_lights_read_total", "Virtual lights read from the cache of tables", status.read),
+        ("basis_files_refused_total", "Files of the cache that were damaged or foreign", status.refused),
+    ];
+    counters.into_iter().for_each(|(name, help, value)| single(out, name, help, "counter", value as f64));
+    let gauges = [
+        ("basis_lights", "Virtual lights that are there, of the tables in memory", status.lights),
+        ("basis_lights_in_all", "Virtual lights of the tables in memory when all are baked", status.of),
+        ("basis_baking", "1 while tables are baked in the background", u64::from(status.baking)),
+        ("basis_memory_bytes", "Memory of the tables", status.memory_bytes),
+        ("basis_cache_bytes", "Bytes of the cache of tables", status.cache_bytes),
+    ];
+    gauges.into_iter().for_each(|(name, help, value)| single(out, name, help, "gauge", value as f64));
 }
 
 fn head(out: &mut String, name: &str, help: &str, kind: &str) {
@@ -365,11 +398,14 @@ mod tests {
         let metrics = Metrics::new(Arc::default());
         metrics.stages.add_us(Stage::Plan, 250);
         metrics.set_executor("a \"fast\" one".into());
+        assert!(!metrics.text().contains("basis_lights"));
+        metrics.set_tables(Some(Arc::default()));
         metrics.count("nose", |c| c.dropped += 3);
         metrics.messages.fetch_add(5, Relaxed);
         let text = metrics.text();
         assert!(text.contains("stormdeck_frames_dropped_total{view=\"nose\"} 3\n"), "{text}");
         assert!(text.contains("stormdeck_messages_total 5\n"), "{text}");
+        assert!(text.contains("stormdeck_basis_lights_baked_total 0\n"), "{text}");
         assert!(text.contains("stage_seconds{stage=\"plan\",quantile=\"0.5\"} 0.00025\n"), "{text}");
         assert!(text.contains("executor=\"a \\\"fast\\\" one\""), "{text}");
         metrics.retain_views(|_| false);

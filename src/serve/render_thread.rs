@@ -90,6 +90,7 @@ impl RenderThread {
     ) -> Result<Self, Fault> {
         let executor = factory()?;
         metrics.set_executor(executor.describe());
+        metrics.set_tables(executor.tables());
         tracing::info!(executor = executor.describe(), depth = executor.depth(), "drawing");
         Ok(Self {
             factory,

@@ -2,8 +2,11 @@
 
 use super::app::App;
 use super::metrics::ViewCounts;
+use crate::passes::relight::tables::Status;
 use crate::wire::control;
-use crate::wire::control::out::{DelayStatistics, EventMessage, Outbound, Statistics, Telemetry, ViewStatistics};
+use crate::wire::control::out::{
+    DelayStatistics, EventMessage, Outbound, Statistics, TableStatistics, Telemetry, ViewStatistics,
+};
 use std::sync::atomic::Ordering::Relaxed;
 use std::time::Duration;
 use tokio::time::MissedTickBehavior;
@@ -34,6 +37,7 @@ pub(super) async fn telemetry(app: std::sync::Arc<App>) {
     let mut tick = tokio::time::interval(TELEMETRY_EVERY);
     tick.set_missed_tick_behavior(MissedTickBehavior::Delay);
     let mut told = 0;
+    let mut baking = false;
     loop {
         tokio::select! {
             () = app.stop.cancelled() => return,
@@ -46,18 +50,33 @@ pub(super) async fn telemetry(app: std::sync::Arc<App>) {
             told = faults;
         }
         let views = view_statistics(&app);
+        let tables = app.metrics.tables();
+        let status = tables.as_ref().map(|tables| tables.status()).unwrap_or_default();
+        tables.iter().flat_map(|tables| tables.complaints()).for_each(|what| tracing::warn!("cache of tables: {what}"));
+        if status.baking != baking {
+            baking = status.baking;
+            let what = if baking { "baking tables of virtual lights" } else { "tables of virtual lights are baked" };
+            tracing::info!(lights = status.lights, of = status.of, "{what}");
+        }
         for client in app.hub.clients() {
             let subscriptions = client.statistics();
             if subscriptions.is_empty() {
                 continue;
             }
             let simulation_time_s = app.metrics.simulation_time_s();
-            let message = Telemetry { simulation_time_s, views: views.clone(), subscriptions };
+            let message =
+                Telemetry { simulation_time_s, views: views.clone(), subscriptions, tables: told_of(&status) };
             if !client.queue.push_event(control::encode(&Outbound::Telemetry(message))) {
                 app.metrics.events_dropped.fetch_add(1, Relaxed);
             }
         }
     }
+}
+
+/// What clients are told of tables; nothing while there are none.
+fn told_of(status: &Status) -> Option<TableStatistics> {
+    let Status { lights, of, baking, read, .. } = *status;
+    (of > 0).then_some(TableStatistics { lights, of, baking, read })
 }
 
 fn view_statistics(app: &App) -> Vec<ViewStatistics> {

@@ -52,6 +52,13 @@ pub(super) struct SettingsFile {
     /// Memory in MiB that tables of virtual lights may take; a flash whose table would be larger is solved instead.
     #[schemars(range(min = limits::BASIS_MEMORY_MIB.min, max = limits::BASIS_MEMORY_MIB.max))]
     pub(super) basis_memory_mib: u32,
+    /// Folder that keeps baked tables by content, so that an unchanged cloud is not baked again after a restart; it may be shared
+    /// with `stormdeck bake --cache` and `stormdeck render --basis-cache`. Without it tables end with the server.
+    #[schemars(length(min = limits::SETTINGS_TEXT_LENGTH.min, max = limits::SETTINGS_TEXT_LENGTH.max))]
+    pub(super) basis_cache: Option<String>,
+    /// MiB that the tables in that folder may take; those that were not used for longest go first.
+    #[schemars(range(min = limits::BASIS_CACHE_MIB.min, max = limits::BASIS_CACHE_MIB.max))]
+    pub(super) basis_cache_mib: u32,
     /// Ratio between the radii of neighbouring billboard rings.
     #[schemars(range(min = limits::RING_RATIO.min, max = limits::RING_RATIO.max))]
     pub(super) ring_ratio: f64,

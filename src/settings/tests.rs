@@ -47,6 +47,8 @@ fn each_field_reaches_the_settings() {
     });
     // The macro takes no more.
     other["basis_memory_mib"] = 99.into();
+    other["basis_cache"] = "tables".into();
+    other["basis_cache_mib"] = 99.into();
     let fields = other.as_object().expect("an object");
     assert_eq!(fields.len(), defaults().len(), "each field is tried");
     // Those of the CIGI port are tried beside it: without an address to listen on they say nothing.

@@ -260,6 +260,8 @@ pub const SLICES: Whole = Whole::new(world::SLICES[0] as u64, world::SLICES[1] a
 pub const DECK_SCALE: Whole = Whole::new(world::DECK_SCALE[0] as u64, world::DECK_SCALE[1] as u64);
 /// Memory in MiB that tables of virtual lights may take.
 pub const BASIS_MEMORY_MIB: Whole = Whole::new(world::BASIS_MEMORY_MIB[0] as u64, world::BASIS_MEMORY_MIB[1] as u64);
+/// Memory in MiB that tables of virtual lights may take in their folder: a table has some ten.
+pub const BASIS_CACHE_MIB: Whole = Whole::new(16, 1 << 20);
 /// Ratio between the radii of neighbouring billboard rings.
 pub const RING_RATIO: Range = Range::of(world::RING_RATIO);
 /// Interval whose light a frame gathers.

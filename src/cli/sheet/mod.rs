@@ -14,6 +14,7 @@ use crate::settings::{ExecutorChoice, TerrainChoice};
 use canvas::Canvas;
 use scenes::{SHEETS, Scene, Sheet};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Most pixels of one sheet: its picture is held whole.
 const MOST_PIXELS: u64 = 64 << 20;
@@ -75,7 +76,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let labels = |chosen: &[(usize, String)]| chosen.iter().map(|(_, label)| label.clone()).collect::<Vec<_>>();
     let mut canvas = Canvas::new(options.size, &labels(&rows), &labels(&columns), MOST_PIXELS)
         .ok_or_else(|| Failure::Input(format!("the sheet would have more than {MOST_PIXELS} pixels")))?;
-    let (mut executor, why) = executor::make(options.executor)?;
+    let (mut executor, why) = executor::make(options.executor, &Arc::default())?;
     eprintln!("drawn by {why}");
 
     let progress = Progress::new("sheet", rows.len() * columns.len());

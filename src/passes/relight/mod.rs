@@ -9,6 +9,7 @@
 //! smooth where the light itself falls with the square of the distance. *How we read it back.* `relight.wgsl` and
 //! [`twin`]: the quotient by a linear sampler, times the points' light at the place itself.
 
+pub mod cache;
 pub mod cloud;
 pub mod emergent;
 pub mod patch;
@@ -246,22 +247,43 @@ impl Prepared {
     /// The fields of a picture's flashes. `wait`: until all are there; else those of the coming pictures, `ahead`, are begun.
     pub fn new(store: &mut Store, flashes: &[LitFlash], ahead: &[Arc<Request>], wait: bool) -> Self {
         let requests: Vec<_> = flashes.iter().take(FIELDS).map(|flash| flash.request.clone()).collect();
-        let (mut fields, mut provisional) = (Vec::new(), false);
-        for found in store.fields(&requests, wait) {
-            provisional |= match &found {
-                Found::Pending => true,
-                Found::Ready(field) => field.as_ref().is_some_and(|field| field.stand_in),
+        let (mut fields, mut shares, mut before) = (Vec::new(), Vec::new(), Vec::new());
+        let mut provisional = false;
+        for (i, found) in store.fields(&requests, wait).into_iter().enumerate() {
+            let (field, share) = match found {
+                Found::Ready(field) => (field, 1.0),
+                // Light adds up: of the two fields each has its share, where there is room for both.
+                Found::Turning { from, to, share } if requests.len() + before.len() < FIELDS => {
+                    before.push((i, from, 1.0 - share));
+                    (Some(to), share)
+                }
+                Found::Turning { to, .. } => (Some(to), 1.0),
+                Found::Pending => {
+                    provisional = true;
+                    (None, 1.0)
+                }
             };
-            fields.push(if let Found::Ready(field) = found { field } else { None });
+            provisional |= field.as_ref().is_some_and(|field| field.stand_in);
+            fields.push(field);
+            shares.push(share);
         }
+        provisional |= !before.is_empty();
         if !wait {
             ahead.iter().for_each(|request| store.prepare(request));
         }
         let mut lits = Lits::zeroed();
-        for ((slot, flash), field) in lits.lit.iter_mut().zip(flashes).zip(&fields) {
-            *slot = field.as_ref().map_or_else(|| stand_in(flash), |field| field.placed(&flash.placing));
+        let placed = |i: usize, field: Option<&Arc<Field>>, share: f32| {
+            let flash = &flashes[i];
+            let placing = Placing { intensity_cd: flash.placing.intensity_cd * share, ..flash.placing };
+            field.map_or_else(|| stand_in(flash), |field| field.placed(&placing))
+        };
+        let own = fields.iter().zip(shares).enumerate().map(|(i, (field, share))| placed(i, field.as_ref(), share));
+        let leaving = before.iter().map(|(i, field, share)| placed(*i, Some(field), *share));
+        for (slot, lit) in lits.lit.iter_mut().zip(own.chain(leaving)) {
+            *slot = lit;
             lits.fields += 1;
         }
+        fields.extend(before.into_iter().map(|(_, field, _)| Some(field)));
         Self { lits, fields, provisional }
     }
 }

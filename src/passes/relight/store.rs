@@ -1,7 +1,9 @@
 //! Fields that are there or on their way: each request is solved once, whichever views and strokes ask for it.
 //!
 //! Where a picture must not depend on anything but its snapshot (lockstep, `render`) the asker waits. Running free a field
-//! is solved on a thread of its own and nobody waits: until it is there its points stand in, and the picture is provisional.
+//! is solved on a thread of its own and nobody waits: until it is there its points stand in, and the picture is provisional. So
+//! it is while a solve stands in for a table that is being baked; when the lights are there, the field is made again by the table,
+//! and the picture turns from the one to the other over some frames.
 
 use super::solve;
 use super::tables::Tables;
@@ -15,6 +17,8 @@ use std::sync::{Arc, LazyLock};
 const KEPT: usize = 32;
 /// Fields solved at once in the background; further ones wait for their turn.
 const AT_ONCE: usize = 2;
+/// Pictures over which a field takes the place of what stood in for it: a third of a second at 30 a second.
+pub const TURNING: u32 = 10;
 /// Pictures without a field after which all are forgotten.
 const PATIENCE: u32 = 600;
 /// Pictures without a field after which tables are forgotten, which take longer to make: ten minutes at 60 a second.
@@ -25,8 +29,42 @@ const TABLES_PATIENCE: u32 = 36_000;
 pub enum Found {
     /// The field; `None` where there is no cloud to light.
     Ready(Option<Arc<Field>>),
+    /// The field, which has begun to take the place of what stood in for it.
+    Turning {
+        /// What stood in.
+        from: Arc<Field>,
+        /// The field.
+        to: Arc<Field>,
+        /// Its share of the light, above 0 and below 1.
+        share: f32,
+    },
     /// Still being solved.
     Pending,
+}
+
+/// A field that is kept.
+struct Kept {
+    request: Arc<Request>,
+    field: Option<Arc<Field>>,
+    /// What stood in for it, and the pictures since the field came.
+    before: Option<(Arc<Field>, u32)>,
+}
+
+impl Kept {
+    /// What the next picture that does not wait is lit by.
+    fn next(&mut self) -> Found {
+        let Some((from, pictures)) = &mut self.before else { return Found::Ready(self.field.clone()) };
+        *pictures += 1;
+        match &self.field {
+            Some(to) if *pictures < TURNING => {
+                Found::Turning { from: from.clone(), to: to.clone(), share: *pictures as f32 / TURNING as f32 }
+            }
+            _ => {
+                self.before = None;
+                Found::Ready(self.field.clone())
+            }
+        }
+    }
 }
 
 /// A quarter of the cores and at least one: the threads that pictures are drawn with stay with the pictures. None where the
@@ -42,7 +80,7 @@ pub(super) fn beside() -> Option<&'static ThreadPool> {
 /// Keeps fields, and solves those that are asked for.
 #[derive(Default)]
 pub struct Store {
-    kept: VecDeque<(Arc<Request>, Option<Arc<Field>>)>,
+    kept: VecDeque<Kept>,
     pending: Vec<(Arc<Request>, Receiver<Option<Field>>)>,
     idle: u32,
     solved: usize,
@@ -55,6 +93,11 @@ fn field(request: &Request, tables: &Arc<Tables>, wait: bool) -> Option<Field> {
 }
 
 impl Store {
+    /// An empty store over these tables, which it may share with others.
+    pub fn new(tables: Arc<Tables>) -> Self {
+        Self { tables, ..Self::default() }
+    }
+
     /// The fields of a picture, in order. `wait`: until all of them are there.
     pub fn fields(&mut self, requests: &[Arc<Request>], wait: bool) -> Vec<Found> {
         self.gather();
@@ -64,7 +107,7 @@ impl Store {
                 self.kept = VecDeque::new();
             }
             if self.idle == TABLES_PATIENCE {
-                self.tables = Arc::default();
+                self.tables.forget();
             }
             return Vec::new();
         }
@@ -84,7 +127,7 @@ impl Store {
 
     /// Begins a field that will be asked for, unless there is it already or as much as can be done at once is being done.
     pub fn prepare(&mut self, request: &Arc<Request>) {
-        let known = self.kept.iter().map(|(known, _)| known).chain(self.pending.iter().map(|(known, _)| known));
+        let known = self.kept.iter().map(|kept| &kept.request).chain(self.pending.iter().map(|(known, _)| known));
         if self.pending.len() < AT_ONCE && !known.into_iter().any(|known| known == request) {
             self.begin(request.clone());
         }
@@ -102,13 +145,17 @@ impl Store {
 
     fn field(&mut self, request: &Arc<Request>, wait: bool) -> Found {
         // What stands in is no answer to who waits.
-        let serves = |field: &Option<Arc<Field>>| !wait || field.as_ref().is_none_or(|field| !field.stand_in);
-        if let Some(at) = self.kept.iter().position(|(known, field)| known == request && serves(field))
-            && let Some(entry) = self.kept.remove(at)
+        let serves = |kept: &Kept| !wait || kept.field.as_ref().is_none_or(|field| !field.stand_in);
+        if let Some(at) = self.kept.iter().position(|kept| kept.request == *request && serves(kept))
+            && let Some(mut kept) = self.kept.remove(at)
         {
-            let found = entry.1.clone();
-            self.kept.push_front(entry);
-            return Found::Ready(found);
+            let found = if wait { Found::Ready(kept.field.clone()) } else { kept.next() };
+            let stands_in = kept.field.as_ref().is_some_and(|field| field.stand_in);
+            self.kept.push_front(kept);
+            if stands_in && self.has_room_for(request) && self.tables.has(request) {
+                self.begin(request.clone());
+            }
+            return found;
         }
         let under_way = self.pending.iter().position(|(known, _)| known == request);
         if wait {
@@ -123,12 +170,20 @@ impl Store {
                     field(request, &self.tables, true)
                 }
             };
-            return Found::Ready(self.keep(request.clone(), solved));
+            let found = self.keep(request.clone(), solved);
+            // Who waited has the field whole.
+            self.kept.iter_mut().take(1).for_each(|kept| kept.before = None);
+            return Found::Ready(found);
         }
-        if under_way.is_none() && self.pending.len() < AT_ONCE {
+        if self.has_room_for(request) {
             self.begin(request.clone());
         }
         Found::Pending
+    }
+
+    /// Whether a field may be begun that is not under way.
+    fn has_room_for(&self, request: &Arc<Request>) -> bool {
+        self.pending.len() < AT_ONCE && self.pending.iter().all(|(known, _)| known != request)
     }
 
     /// Solves in the background.
@@ -161,10 +216,12 @@ impl Store {
     }
 
     fn keep(&mut self, request: Arc<Request>, solved: Option<Field>) -> Option<Arc<Field>> {
-        let kept = solved.map(Arc::new);
-        self.kept.retain(|(known, _)| *known != request);
-        self.kept.push_front((request, kept.clone()));
+        let field = solved.map(Arc::new);
+        let old = self.kept.iter().position(|kept| kept.request == request).and_then(|at| self.kept.remove(at));
+        let stood_in = old.and_then(|old| old.field).filter(|old| old.stand_in);
+        let before = stood_in.filter(|_| field.as_ref().is_some_and(|field| !field.stand_in)).map(|old| (old, 0));
+        self.kept.push_front(Kept { request, field: field.clone(), before });
         self.kept.truncate(KEPT);
-        kept
+        field
     }
 }

@@ -1,25 +1,20 @@
-//! Tables of virtual lights for pieces of cloud: kept by content, baked while nobody waits, within a cap of memory.
+//! Tables of virtual lights for pieces of cloud: kept by content, baked while nobody waits, within a cap of memory, and in a folder
+//! beyond the program's life if there is one ([`super::cache`]).
 //!
 //! A picture that waits has just those lights baked that its flashes need. Running free nothing waits: until the lights are there a
 //! flash is solved for itself (which is what a table is to save), the picture is provisional, and the rest of the piece is
 //! baked in the background, one piece at a time.
 
-use super::cloud::{medium, window};
-use super::patch::recipe;
-use super::solve::{self, sources, stored};
-use super::{Field, Lighting, Request, Window};
-use crate::numeric::haar::Haar;
-use crate::scattering::basis::Recipe;
-use crate::scattering::compress::Block;
-use crate::scattering::lanes::LANES;
-use crate::scattering::ordinates::{PointSource, Solver};
-use crate::scattering::relight::{Relighter, Table};
+mod piece;
+
+use super::cache::Cache;
+use super::solve::{self, sources};
+use super::{Field, Lighting, Request};
+use piece::Piece;
 use rayon::prelude::*;
-use std::collections::{BTreeSet, VecDeque};
-use std::ops::Range;
-use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, Weak};
+use std::collections::VecDeque;
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
 /// Memory that tables may take unless set otherwise, bytes.
 const USUAL_BYTES: usize = 256 << 20;
@@ -30,35 +25,50 @@ pub struct Tables {
     most_bytes: AtomicUsize,
     /// Whether a thread bakes in the background.
     filling: AtomicBool,
+    /// Lights baked, and lights read from the cache, since the beginning.
+    made: [AtomicU64; 2],
+    cache: Option<Arc<Cache>>,
+}
+
+/// How far tables are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Status {
+    /// Lights that are there, of the pieces that are kept.
+    pub lights: u64,
+    /// All lights of these pieces.
+    pub of: u64,
+    /// Whether some are being baked in the background.
+    pub baking: bool,
+    /// Lights that were baked since the program began.
+    pub baked: u64,
+    /// Lights that were read from the cache.
+    pub read: u64,
+    /// Memory that tables take, bytes.
+    pub memory_bytes: u64,
+    /// Bytes of the cache; 0 without one.
+    pub cache_bytes: u64,
+    /// Files of the cache that were refused.
+    pub refused: u64,
 }
 
 impl Default for Tables {
     fn default() -> Self {
+        Self::new(None)
+    }
+}
+
+impl Tables {
+    /// No tables yet; those that are baked are kept in the cache, if there is one.
+    pub fn new(cache: Option<Arc<Cache>>) -> Self {
         Self {
             kept: Mutex::new(VecDeque::new()),
             most_bytes: AtomicUsize::new(USUAL_BYTES),
             filling: AtomicBool::new(false),
+            made: Default::default(),
+            cache,
         }
     }
-}
 
-/// One piece and as much of its table as has been baked.
-struct Piece {
-    /// What decides it: a request without points.
-    cloud: Request,
-    window: Window,
-    recipe: Recipe,
-    solver: Solver,
-    haar: Haar,
-    batches: Vec<Range<usize>>,
-    /// The blocks of each batch; none where light could not be found.
-    made: Vec<OnceLock<Option<Vec<Block>>>>,
-    /// Batches that a flash has asked for: they come first.
-    wanted: Mutex<BTreeSet<usize>>,
-    bytes: AtomicUsize,
-}
-
-impl Tables {
     /// Sets how much memory tables may take, bytes.
     pub fn set_most(&self, bytes: usize) {
         self.most_bytes.store(bytes, Ordering::Relaxed);
@@ -69,14 +79,31 @@ impl Tables {
         held(&self.kept())
     }
 
-    /// Lights that have been baked, and those of all pieces that are kept.
-    pub fn progress(&self) -> [usize; 2] {
+    /// How far they are.
+    pub fn status(&self) -> Status {
         let kept = self.kept();
-        let sum = |count: &dyn Fn(&Piece) -> usize| kept.iter().map(|piece| count(piece)).sum();
-        [
-            sum(&|p| p.batches.iter().zip(&p.made).filter(|(_, m)| m.get().is_some()).map(|(b, _)| b.len()).sum()),
-            sum(&|p| p.recipe.lights.len()),
-        ]
+        let sum = |count: &dyn Fn(&Piece) -> usize| kept.iter().map(|piece| count(piece) as u64).sum();
+        let [baked, read] = [0, 1].map(|k: usize| self.made[k].load(Ordering::Relaxed));
+        Status {
+            lights: sum(&Piece::lights),
+            of: sum(&|piece| piece.recipe.lights.len()),
+            baking: self.filling.load(Ordering::Relaxed),
+            baked,
+            read,
+            memory_bytes: held(&kept) as u64,
+            cache_bytes: self.cache.as_ref().map_or(0, |cache| cache.bytes()),
+            refused: self.cache.as_ref().map_or(0, |cache| cache.refused()),
+        }
+    }
+
+    /// What went wrong with the cache since this was asked last, each once.
+    pub fn complaints(&self) -> Vec<String> {
+        self.cache.as_ref().map_or_else(Vec::new, |cache| cache.complaints())
+    }
+
+    /// Forgets all tables; those in the cache stay.
+    pub fn forget(&self) {
+        *self.kept() = VecDeque::new();
     }
 
     /// The field of a request of a method with a table. `wait`: its lights are baked now if they are not there; else it is solved.
@@ -84,9 +111,9 @@ impl Tables {
         let piece = self.piece(request)?;
         let sources = sources(&request.points, &piece.window);
         let due = piece.due(&sources);
-        let there = due.iter().all(|batch| piece.made[*batch].get().is_some());
+        let there = piece.has(&due);
         if wait || there {
-            due.par_iter().for_each(|batch| piece.bake(*batch));
+            due.par_iter().for_each(|batch| self.bake(&piece, *batch));
             self.trim(0);
             if let Some(field) = piece.field(request, &sources, &due) {
                 return Some(field);
@@ -101,15 +128,40 @@ impl Tables {
         Some(Field { stand_in, ..solved })
     }
 
+    /// Whether the lights are there that a request needs, for which something stands in.
+    pub fn has(&self, request: &Request) -> bool {
+        let known = self.kept().iter().find(|piece| piece.is_of(request)).cloned();
+        known.is_some_and(|piece| piece.has(&piece.due(&sources(&request.points, &piece.window))))
+    }
+
+    /// Bakes the whole table of a request now, telling how many of its lights are there each time there are more; gives how many
+    /// had to be baked, and how many could not be. `None` where there is no cloud.
+    pub fn bake_whole(&self, request: &Request, told: impl Fn(usize, usize) + Sync) -> Option<[usize; 2]> {
+        let piece = self.piece(request)?;
+        let all = piece.recipe.lights.len();
+        let before = self.made[0].load(Ordering::Relaxed);
+        told(piece.lights(), all);
+        (0..piece.batches.len()).into_par_iter().for_each(|batch| {
+            self.bake(&piece, batch);
+            told(piece.lights(), all);
+        });
+        let failed = piece.batches.iter().zip(&piece.made).filter(|(_, made)| !matches!(made.get(), Some(Some(_))));
+        let failed = failed.map(|(batch, _)| batch.len()).sum();
+        Some([(self.made[0].load(Ordering::Relaxed) - before) as usize, failed])
+    }
+
+    fn bake(&self, piece: &Piece, batch: usize) {
+        self.made[0].fetch_add(piece.bake(batch) as u64, Ordering::Relaxed);
+    }
+
     fn kept(&self) -> MutexGuard<'_, VecDeque<Arc<Piece>>> {
         lock(&self.kept)
     }
 
     /// The piece of a request, begun if it is new; `None` where there is no cloud.
     fn piece(&self, request: &Request) -> Option<Arc<Piece>> {
-        let cloud = Request { points: Vec::new(), ..request.clone() };
         let known = |kept: &mut VecDeque<Arc<Piece>>| {
-            let at = kept.iter().position(|piece| piece.cloud == cloud)?;
+            let at = kept.iter().position(|piece| piece.is_of(request))?;
             let piece = kept.remove(at)?;
             kept.push_front(piece.clone());
             Some(piece)
@@ -117,7 +169,9 @@ impl Tables {
         if let Some(piece) = known(&mut self.kept()) {
             return Some(piece);
         }
-        let piece = Arc::new(Piece::new(cloud.clone())?);
+        let (piece, read) = Piece::new(request, self.cache.clone())?;
+        self.made[1].fetch_add(read as u64, Ordering::Relaxed);
+        let piece = Arc::new(piece);
         let mut kept = self.kept();
         // Another thread may have been quicker.
         let piece = known(&mut kept).unwrap_or_else(|| {
@@ -187,7 +241,7 @@ fn fill_one(tables: &Weak<Tables>) -> bool {
 }
 
 fn held(kept: &VecDeque<Arc<Piece>>) -> usize {
-    kept.iter().map(|piece| piece.bytes.load(Ordering::Relaxed)).sum()
+    kept.iter().map(|piece| piece.bytes()).sum()
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -195,129 +249,5 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-impl Piece {
-    fn new(cloud: Request) -> Option<Self> {
-        let window = window(&cloud);
-        let medium = medium(&cloud, &window).ok()?;
-        if medium.is_empty() {
-            return None;
-        }
-        let solver = solve::solver()?.at(&medium);
-        let haar = Haar::new(medium.cells);
-        let recipe = recipe(&cloud, &window, medium)?;
-        let batches = recipe.batches();
-        let made = batches.iter().map(|_| OnceLock::new()).collect();
-        let wanted = Mutex::new(BTreeSet::new());
-        let bytes = AtomicUsize::new(solver.memory_bytes() + size_of_val(recipe.medium.extinction_per_m.as_slice()));
-        Some(Self { cloud, window, recipe, solver, haar, batches, made, wanted, bytes })
-    }
-
-    /// The batches of the lights that stand for some points.
-    fn due(&self, sources: &[PointSource]) -> Vec<usize> {
-        let lights = sources.iter().flat_map(|source| self.recipe.lights.shares(source.position_m).lights);
-        let due: BTreeSet<usize> = lights.map(|(light, _)| light / LANES).collect();
-        due.into_iter().collect()
-    }
-
-    fn bake(&self, batch: usize) {
-        self.made[batch].get_or_init(|| {
-            let solve = || self.recipe.solve(&self.solver, &self.haar, self.batches[batch].clone());
-            // A batch that panics gives no light, and the others are baked all the same.
-            let blocks = catch_unwind(AssertUnwindSafe(solve)).ok()?.ok()?;
-            let bytes = blocks.iter().map(|block| block.memory_bytes()).sum();
-            self.bytes.fetch_add(bytes, Ordering::Relaxed);
-            Some(blocks)
-        });
-    }
-
-    /// The field of points whose lights are there; `None` where the light of one was not found.
-    fn field(&self, request: &Request, sources: &[PointSource], due: &[usize]) -> Option<Field> {
-        if !due.iter().all(|batch| matches!(self.made[*batch].get(), Some(Some(_)))) {
-            return None;
-        }
-        let relighter = Relighter::new(&self.recipe.medium, &self.solver);
-        let relit = relighter.relight_from(request.method.method(), sources, Some(self)).ok()?;
-        Some(stored(request, self.window, &self.solver.angles().set, &relit))
-    }
-}
-
-impl Table for Piece {
-    fn recipe(&self) -> &Recipe {
-        &self.recipe
-    }
-
-    fn block(&self, light: usize) -> Option<&Block> {
-        self.made[light / LANES].get()?.as_ref()?.get(light % LANES)
-    }
-}
-
 #[cfg(test)]
-mod tests {
-    use super::super::patch;
-    use super::super::tests::request;
-    use super::*;
-
-    /// A flash of one point in a piece of overcast.
-    fn struck(method: Lighting, position_m: [f32; 3]) -> Request {
-        let solved = request(600.0, 1.0, 0.03, vec![super::super::Point { position_m, share: 1.0 }]);
-        let window = patch::window(1_000.0, 600.0, patch::wide_m(600.0, 0.0));
-        Request { method, patch: Some(window), ..solved }
-    }
-
-    fn relative(found: &Field, truth: &Field) -> f64 {
-        let square =
-            |f: &dyn Fn(usize) -> f32| (0..truth.quotients.len()).map(|i| f64::from(f(i)).powi(2)).sum::<f64>();
-        (square(&|i| found.quotients[i][0] - truth.quotients[i][0]) / square(&|i| truth.quotients[i][0])).sqrt()
-    }
-
-    #[test]
-    fn a_table_lights_as_a_solve_does_and_bakes_what_is_asked_for_alone() {
-        let tables = Arc::new(Tables::default());
-        let at = [210.0, -130.0, 1_320.0];
-        let truth = solve::field(&struck(Lighting::Solve, at)).expect("a cloud");
-        let found = tables.field(&struck(Lighting::Hybrid, at), true).expect("a cloud");
-        assert!(!found.stand_in && found.method == Lighting::Hybrid.method());
-        // Lights stand two cells, eighteen free paths, apart: what is scattered more often is blended between their places, far
-        // from where it comes from (0.4 to 0.5 of b in such decks). All of it is still better than none of it.
-        let single = solve::field(&struck(Lighting::Single, at)).expect("a cloud");
-        let (error, without) = (relative(&found, &truth), relative(&single, &truth));
-        assert!(error < 0.7 && error < 0.75 * without, "{error} {without}");
-        let [baked, all] = tables.progress();
-        assert!(baked > 0 && baked * 10 < all, "{baked} of {all}");
-        let bytes = tables.bytes();
-        assert!(bytes > 0);
-        // The same place again costs nothing, and another flash in the cloud finds the piece.
-        assert_eq!(tables.field(&struck(Lighting::Hybrid, at), true).expect("a cloud"), found);
-        assert_eq!((tables.progress(), tables.bytes()), ([baked, all], bytes));
-        tables.field(&struck(Lighting::Hybrid, [900.0, 500.0, 1_200.0]), true).expect("a cloud");
-        assert_eq!(tables.progress()[1], all);
-        // Memory that is full forgets.
-        tables.set_most(1);
-        tables.field(&struck(Lighting::Hybrid, at), true).expect("lit all the same");
-        assert_eq!((tables.bytes(), tables.progress()), (0, [0, 0]));
-        let clear = Request {
-            layer: crate::passes::deck::Layer { theta: 1.0, ..struck(Lighting::Hybrid, at).layer },
-            ..struck(Lighting::Hybrid, at)
-        };
-        assert!(tables.field(&clear, true).is_none());
-    }
-
-    #[test]
-    fn running_free_a_solve_stands_in_until_the_lights_are_there() {
-        let tables = Arc::new(Tables::default());
-        let flash = struck(Lighting::Hybrid, [40.0, 30.0, 1_250.0]);
-        let first = tables.field(&flash, false).expect("a cloud");
-        assert!(first.stand_in && first.method == Lighting::Solve.method());
-        // What the background does, here: the flash's own lights come first.
-        let weak = Arc::downgrade(&tables);
-        let piece = tables.piece(&flash).expect("begun");
-        let due = piece.due(&sources(&flash.points, &piece.window));
-        while !due.iter().all(|batch| piece.made[*batch].get().is_some()) {
-            assert!(fill_one(&weak));
-        }
-        let second = tables.field(&flash, false).expect("a cloud");
-        assert!(!second.stand_in);
-        // By whomever and whenever lights are baked: the same bits.
-        assert_eq!(Arc::new(Tables::default()).field(&flash, true), Some(second));
-    }
-}
+mod tests;

@@ -162,3 +162,57 @@ fn each_field_is_solved_once_and_nobody_waits_while_running_free() {
     assert_eq!(again.lits.lit[0].intensity_cd, 5.0);
     assert!(matches!(store.fields(&[request], true)[..], [Found::Ready(Some(_))]));
 }
+
+#[test]
+fn a_table_takes_the_place_of_the_solve_that_stood_in_for_it_over_some_frames() {
+    let window = Window { corner_m: [-600.0, -600.0, 1_000.0], cell_m: [150.0, 150.0, 75.0], cells: [8, 8, 4] };
+    let solved = request(300.0, 1.0, 0.0012, one([40.0, 30.0, 1_150.0]));
+    let request = Arc::new(Request { method: Lighting::Hybrid, patch: Some(window), ..solved });
+    let flash = LitFlash { request: request.clone(), placing: HERE };
+    let mut store = Store::default();
+    let picture = |store: &mut Store| Prepared::new(store, std::slice::from_ref(&flash), &[], false);
+    // The solve is made and the lights are baked beside the pictures: however long that takes, no picture waits.
+    let mut pictures = Vec::new();
+    while pictures.last().is_none_or(|last: &Prepared| last.provisional) {
+        pictures.push(picture(&mut store));
+        std::thread::sleep(std::time::Duration::from_millis(1));
+        pictures.dedup_by(|b, a| a.lits == b.lits);
+    }
+    let bare = pictures.iter().position(|p| p.lits.lit[0].levels > 0).expect("a field");
+    assert!(bare == 1, "points stand in until there is a field");
+    let solve = &pictures[1];
+    let stands_in = |p: &Prepared| p.fields[0].as_ref().is_some_and(|field| field.stand_in);
+    assert!(stands_in(solve) && solve.lits.fields == 1);
+    // Then shares of both, which are all of the light, ever more of it by the table.
+    let turning = &pictures[2..pictures.len() - 1];
+    assert_eq!(turning.len(), super::store::TURNING as usize - 1);
+    let mut last = 0.0;
+    for picture in turning {
+        let [to, from] = [0, 1].map(|k| picture.lits.lit[k].intensity_cd);
+        assert!(picture.lits.fields == 2 && picture.fields.len() == 2 && picture.provisional);
+        assert!(to > last && from > 0.0 && (to + from - 1.0).abs() < 1e-5, "{to} {from}");
+        assert!(!stands_in(picture) && picture.fields[1] == solve.fields[0]);
+        last = to;
+    }
+    // In the end it is the picture that who waits has from the first.
+    let end = pictures.last().expect("one");
+    let waited = Prepared::new(&mut Store::default(), std::slice::from_ref(&flash), &[], true);
+    assert!(end.lits == waited.lits && end.fields == waited.fields && !waited.provisional);
+    // Where there is no room for two, the table comes at once.
+    let mut full = Store::default();
+    let crowd: Vec<_> = (0..FIELDS)
+        .map(|i| {
+            let points = one([40.0 + i as f32, 30.0, 1_150.0]);
+            LitFlash { request: Arc::new(Request { points, ..(*request).clone() }), placing: HERE }
+        })
+        .collect();
+    let mut most = 0;
+    while {
+        let picture = Prepared::new(&mut full, &crowd, &[], false);
+        most = most.max(picture.lits.fields as usize);
+        picture.provisional
+    } {
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    assert_eq!(most, FIELDS);
+}

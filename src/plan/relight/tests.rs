@@ -1,11 +1,12 @@
 //! Which flashes have fields: none without flash, cloud or channel; one for each geometry, whatever frame and eye; faded where many.
 
 use super::*;
+use crate::clouds::CloudKind;
 use crate::geo::frames::enu;
 use crate::lightning::flash::Polarity;
 use crate::lightning::strike::{StrikeSpec, grow_strike};
 use crate::lightning::tables::Tables;
-use crate::plan::scenes::{cumulus_at, flash, place};
+use crate::plan::scenes::{cumulus_at, flash, layer, place, region};
 use crate::plan::{FramePlan, Output, plan};
 use crate::world::snapshot::Quality;
 use std::sync::atomic::AtomicBool;
@@ -135,4 +136,35 @@ fn flashes_minutes_apart_in_one_cloud_share_a_table_and_lie_where_they_are() {
         assert!(plan.lit[0].request.method == Lighting::Solve && plan.lit[0].request.patch.is_none());
         assert!(plan.notes.iter().any(|note| note.pass == "relight" && note.why.contains("by solve")));
     }
+}
+
+#[test]
+fn a_table_is_of_the_region_that_was_struck_wherever_the_middle_of_its_piece_lies() {
+    let mut snapshot = cumulus_at(place(47.0, 8.0, 500.0));
+    snapshot.quality.relight = Lighting::Hybrid;
+    snapshot.weather.layers.clear();
+    // Two circles side by side, half a kilometre apart; the eye is far from both.
+    let mut own = region(47.05, 8.02, 6_000.0, 300.0);
+    let mut other = region(47.05, 8.02 + 0.092, 7_000.0, 300.0);
+    own.weather.layers =
+        vec![LayerState { density: 0.3, coverage: 1.0, ..layer(CloudKind::Stratocumulus, 1_000.0, 800.0) }];
+    other.weather.layers =
+        vec![LayerState { density: 0.3, coverage: 1.0, ..layer(CloudKind::Stratus, 1_000.0, 700.0) }];
+    snapshot.regions = vec![other, own];
+    let one = struck(place(47.05, 8.02, 1_400.0));
+    let mut turned = 0;
+    for step in 0..36 {
+        // Degrees that are 700 m north and east.
+        let (east, north) = (f64::from(step % 6) - 2.5, f64::from(step / 6) - 2.5);
+        let position = place(47.05 + 0.0063 * north, 8.02 + 0.0092 * east, 1_400.0);
+        snapshot.flashes = vec![FlashState { position, ..one.clone() }];
+        let lit = plan_of(&snapshot).lit.remove(0);
+        let (request, column) = (&lit.request, lit.request.layer.region as usize);
+        assert!(request.kind == CloudKind::Stratocumulus && request.patch.is_some(), "{step}");
+        // The outline that the layer is cut by is that of its own region, whichever number that has from there: a circle of 6 km.
+        assert_eq!(request.layer.outline[column - 1].corner_m, 3_000.0, "{step}");
+        // From the flash its own region is the first.
+        turned += usize::from(column == 2);
+    }
+    assert!(turned > 0, "a middle of a piece lies nearer to the other region");
 }

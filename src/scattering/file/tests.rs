@@ -1,7 +1,9 @@
 //! Pins that a basis comes back bit for bit, that shares and torn files work, and that no bytes do harm.
 
+use super::read::{decode, recipe};
 use super::*;
 use crate::numeric::hash::pcg3d;
+use crate::scattering::basis::Basis;
 use crate::scattering::basis::tests::small;
 
 fn baked(width: Width) -> Basis {
@@ -39,11 +41,21 @@ fn shares_merge_to_the_whole_in_any_order_and_only_if_they_fit() {
         bytes
     };
     let (a, b, c) = (share(0), share(1), share(2));
-    assert_eq!(merge(&[&c, &a, &b]), Ok(whole.clone()));
-    assert!(matches!(merge(&[&a, &c]), Err(FileError::Order { .. })));
-    assert!(matches!(merge(&[&a, &a, &b, &c]), Err(FileError::Order { .. })));
+    let merge = |shares: &[&[u8]]| {
+        let mut joined = Vec::new();
+        join(shares.len(), |i| Ok(shares[i]), &mut joined).map(|_| joined)
+    };
+    assert_eq!(merge(&[&c, &a, &b]).expect("joined"), whole);
+    let wrong = |shares: &[&[u8]]| match merge(shares) {
+        Err(JoinError::Whole(why) | JoinError::Share(_, why)) => why,
+        other => panic!("{other:?}"),
+    };
+    assert!(matches!(wrong(&[&a, &c]), FileError::Order { .. }));
+    assert!(matches!(wrong(&[&a, &a, &b, &c]), FileError::Order { .. }));
     let other = header(&small(Content::Total, false));
-    assert_eq!(merge(&[&a, &other, &b, &c]), Err(FileError::Mixed(1)));
+    assert_eq!(wrong(&[&a, &other, &b, &c]), FileError::Mixed(1));
+    assert!(matches!(wrong(&[&a, &b[..b.len() - 1], &c]), FileError::TooShort(_)));
+    assert_eq!(wrong(&[]), FileError::Foreign);
     assert!(matches!(read(&a), Err(FileError::Order { .. })), "a share alone is no basis");
 }
 
@@ -60,7 +72,9 @@ fn a_bake_killed_at_any_moment_goes_on_from_its_last_whole_block() {
             for light in contents.blocks.len()..basis.blocks.len() {
                 resumed.extend(block(&basis.recipe, light, &basis.blocks[light]));
             }
-            resumed.extend(trailer(&basis.blocks, &basis.recipe));
+            let mut trailer = Trailer::default();
+            basis.blocks.iter().for_each(|block| trailer.add(block.squares));
+            resumed.extend(trailer.bytes(&basis.recipe));
         }
         assert_eq!(resumed, whole, "{cut}");
     }
@@ -117,4 +131,63 @@ fn no_bytes_do_harm() {
         assert!(recipe(&noise).is_err());
         let _ = decode(&noise, &basis.recipe);
     }
+}
+
+/// Hands its bytes out in small pieces and remembers how many were asked for at once.
+struct Drip<'a>(&'a [u8], &'a std::cell::Cell<usize>);
+
+impl std::io::Read for Drip<'_> {
+    fn read(&mut self, into: &mut [u8]) -> std::io::Result<usize> {
+        self.1.set(self.1.get().max(into.len()));
+        let some = into.len().min(7).min(self.0.len());
+        into[..some].copy_from_slice(&self.0[..some]);
+        self.0 = &self.0[some..];
+        Ok(some)
+    }
+}
+
+#[test]
+fn a_file_is_read_block_by_block_in_the_memory_of_one() {
+    let basis = baked(Width::F16);
+    let bytes = write(&basis);
+    let longest = (0..basis.blocks.len()).map(|i| block(&basis.recipe, i, &basis.blocks[i]).len()).max();
+    let asked = std::cell::Cell::new(0);
+    let mut file = Blocks::open(Drip(&bytes, &asked)).expect("a basis");
+    assert_eq!(file.recipe(), &basis.recipe);
+    asked.set(0);
+    let mut found = Vec::new();
+    while let Some((light, block)) = file.next_block().expect("sound") {
+        assert_eq!(light, found.len());
+        found.push(block);
+    }
+    assert!(file.complete() && file.sound_bytes() == bytes.len() as u64);
+    assert_eq!(found, basis.blocks);
+    // Room is made for what is read, and doubled now and then: never for the file.
+    let longest = longest.expect("some");
+    assert!(asked.get() <= 2 * longest.max(8_192) && asked.get() < bytes.len() / 4, "{} {longest}", asked.get());
+    // A block that says it is longer than any can be is refused before it is read.
+    let mut endless = bytes[..header(&basis.recipe).len()].to_vec();
+    endless.extend([0, 0, 0, 0, 255, 255, 255, 127, 0, 0, 0, 0, 0, 0, 0, 0]);
+    let refused = Blocks::open(endless.as_slice()).expect("a header").next_block();
+    assert!(matches!(refused, Err(FileError::Value { field, .. }) if field == "length of a block"));
+    let mut endless = bytes[..12].to_vec();
+    endless.extend([255, 255, 255, 127]);
+    let refused = Blocks::open(endless.as_slice()).err();
+    assert!(matches!(refused, Some(FileError::Value { field, .. }) if field == "length of the header"));
+}
+
+#[test]
+fn a_trailer_of_other_lights_or_of_another_header_is_refused() {
+    let basis = baked(Width::F16);
+    let bytes = write(&basis);
+    let end = bytes.len() - 48;
+    let with = |trailer: Vec<u8>| [&bytes[..end], &trailer[..]].concat();
+    let mut fewer = Trailer::default();
+    basis.blocks[1..].iter().for_each(|block| fewer.add(block.squares));
+    assert!(matches!(read(&with(fewer.bytes(&basis.recipe))), Err(FileError::Order { .. })));
+    let mut all = Trailer::default();
+    basis.blocks.iter().for_each(|block| all.add(block.squares));
+    assert_eq!(read(&with(all.bytes(&basis.recipe))).as_ref(), Ok(&basis));
+    let other = all.bytes(&small(Content::Total, false));
+    assert!(matches!(read(&with(other)), Err(FileError::Damaged(what)) if what.starts_with("the trailer")));
 }

@@ -107,6 +107,7 @@ impl RenderThread {
                 Ok(Ok(executor)) => {
                     self.metrics.executors_remade.fetch_add(1, Relaxed);
                     self.metrics.set_executor(executor.describe());
+                    self.metrics.set_tables(executor.tables());
                     tracing::info!(executor = executor.describe(), "drawing again");
                     self.executor = Some(executor);
                     for ticket in self.ring.unfinished_tickets() {

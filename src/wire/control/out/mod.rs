@@ -8,7 +8,7 @@ mod statistics;
 pub use answer::{AerosolOut, ConditionsMessage, HeightsMessage, HiderName, SightMessage};
 pub use event::EventMessage;
 pub use state::{FlashOut, LayerOut, OwnshipOut, Player, RegionOut, SkyOut, StateMessage, ViewOut, WeatherOut};
-pub use statistics::{DelayStatistics, Statistics, SubscriptionStatistics, Telemetry, ViewStatistics};
+pub use statistics::{DelayStatistics, Statistics, SubscriptionStatistics, TableStatistics, Telemetry, ViewStatistics};
 
 use super::{Format, PROTOCOL, Role};
 use crate::plan::FramePlan;

@@ -39,6 +39,22 @@ pub struct Telemetry {
     pub views: Vec<ViewStatistics>,
     /// This client's own subscriptions.
     pub subscriptions: Vec<SubscriptionStatistics>,
+    /// The tables by which flashes light clouds; absent while there are none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tables: Option<TableStatistics>,
+}
+
+/// How far the tables are by which flashes light clouds (`relight` `basis` and `hybrid`).
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct TableStatistics {
+    /// Virtual lights that are there.
+    pub lights: u64,
+    /// Virtual lights that there will be when all are baked.
+    pub of: u64,
+    /// Whether some are being baked now.
+    pub baking: bool,
+    /// Virtual lights that were read from the cache and not baked.
+    pub read: u64,
 }
 
 /// Counters of one view.
