@@ -287,6 +287,17 @@ impl Illuminance {
         })
     }
 
+    /// What the air leaves of the source's light between the heights of a column's top and of one of its layers', per colour.
+    pub fn reddening(&self, column: usize, top_m: f64) -> Vec3 {
+        self.lower(top_m, f64::from(self.columns[column].top_m))
+    }
+
+    /// What the air leaves of the source's light on its way from one height down to another, per colour.
+    pub fn lower(&self, low_m: f64, high_m: f64) -> Vec3 {
+        let [low, high] = [low_m, high_m].map(|height_m| self.air.transmittance(height_m as f32, self.source.z));
+        (low / high.max(Vec3::splat(1e-9))).min(Vec3::ONE)
+    }
+
     /// Light that comes up to layer `index` of one of the columns, from lower layers and the ground, over 4 pi, lux per colour;
     /// that of cities is the glow's.
     pub fn upwelling_lux(&self, column: usize, index: usize) -> Vec3 {

@@ -151,7 +151,7 @@ impl Context<'_> {
         flash[..self.flashes.len()].copy_from_slice(self.flashes);
         let nodes = Nodes::around(threshold.offset, threshold.patchiness, look.edge);
         let layer = Layer {
-            light_lux: above.direct_lux.into(),
+            light_lux: (above.direct_lux * self.light.reddening(column, top_m)).into(),
             base_m: state.base_m as f32,
             light_direction: self.light.source.into(),
             thickness_m: state.thickness_m as f32,
@@ -190,6 +190,8 @@ impl Context<'_> {
             shade_height_m: 0.0,
             shade_near_m: 1.0,
             shade_span: 0.0,
+            low_light: self.light.lower(state.base_m, top_m).into(),
+            pad0: 0.0,
             bound_m,
             bound_radius_m,
             varied: if outside_m < f64::from(VARIED_M[1]) { VARIED * detail_share } else { 0.0 },

@@ -26,7 +26,8 @@ pub fn cast(light: &Illuminance, layers: &mut [LayerPlan], notes: &mut Vec<PassN
         let casters: Vec<LayerShadow> =
             (0..layers.len()).filter(near).filter_map(|higher| caster_above(higher, &layers[higher], top_m)).collect();
         let through = through(own.region, layers, &casters);
-        let clear_lux = light.columns[own.region as usize].top.direct_lux;
+        let column = own.region as usize;
+        let clear_lux = light.columns[column].top.direct_lux * light.reddening(column, top_m.into());
         let mu = light.source.z.max(0.0);
         let seen = casters.iter().any(|c| layers[c.layer].layer.region != own.region) || through < 1.0 - EVEN;
         let lit = clear_lux.y * mu * through.max(EVEN) > LEAST_SHARE * own.sky_lux[1] * 4.0 * std::f32::consts::PI;

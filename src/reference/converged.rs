@@ -120,7 +120,7 @@ fn add(camera: &Camera, layers: &[Prepared], ray: &Ray, (p, t, ds): (DVec3, f64,
             let shown =
                 shown(layer, textures, earth_m, p, height) * relieved(layer, textures, earth_m, p, height, t as f32);
             extinction += own;
-            emitted += own * source(layer, light, &view(layer, ray.direction), p, shown).as_dvec3();
+            emitted += own * source(layer, light, &view(layer, ray.direction), p, height, shown).as_dvec3();
             if let Some(lit) = lit {
                 let flashes = scattered(&lit.lits, &lit.fields, p, height, -ray.direction);
                 emitted += own * (FLASH_COLOUR * flashes).as_dvec3();

@@ -175,11 +175,13 @@ fn turned(encoding: Encoding, stored: Vec4, chart: &Chart) -> Vec4 {
 /// Luminance that a point of cloud sends towards the eye where it is opaque, cd/m2 per colour (the source function).
 ///
 /// `shown`: share of the source's light that higher layers and detail on its way leave (see [`shown`] and [`relieved`]).
-pub fn source(layer: &Layer, stored: Vec4, view: &View, p: Vec3, shown: f32) -> Vec3 {
+pub fn source(layer: &Layer, stored: Vec4, view: &View, p: Vec3, height_m: f32, shown: f32) -> Vec3 {
     let lit = decode(layer.encoding(), stored, view);
-    let mut light = Vec3::from(layer.light_lux) * (lit.source * shown)
-        + Vec3::from(layer.sky_lux) * lit.sky
-        + Vec3::from(layer.ground_lux) * lit.ground;
+    let up = ((height_m - layer.base_m) / layer.thickness_m).clamp(0.0, 1.0);
+    let mut light =
+        Vec3::from(layer.light_lux) * Vec3::from(layer.low_light).lerp(Vec3::ONE, up) * (lit.source * shown)
+            + Vec3::from(layer.sky_lux) * lit.sky
+            + Vec3::from(layer.ground_lux) * lit.ground;
     for flash in &layer.flash[..layer.flashes as usize] {
         // Eq. 21, the distance capped.
         let d2 = (p - Vec3::from(flash.position_m)).length_squared().max(FLASH_CAP_M * FLASH_CAP_M);

@@ -53,6 +53,8 @@ struct Layer {
     detail_fade_m: vec2<f32>,
     varied: f32,
     clumps_finer: f32,
+    low_light: vec3<f32>,
+    pad0: f32,
     bound_m: vec3<f32>,
     bound_radius_m: f32,
     chart: array<Chart, 3>,

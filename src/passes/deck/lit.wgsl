@@ -194,7 +194,8 @@ fn source(stored: vec4<f32>, view: View, p: vec3<f32>, height: f32, t: f32) -> v
     if SHADED {
         shares.x *= shown(p, height);
     }
-    var light = layer.light_lux * shares.x + layer.sky_lux * shares.y + layer.ground_lux * shares.z;
+    let up = clamp((height - layer.base_m) / layer.thickness_m, 0.0, 1.0);
+    var light = layer.light_lux * mix(layer.low_light, vec3<f32>(1.0), up) * shares.x + layer.sky_lux * shares.y + layer.ground_lux * shares.z;
     if GLOW {
         light += city_glow(p, height, shares.z);
     }

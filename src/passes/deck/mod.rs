@@ -61,7 +61,7 @@ pub struct Flash {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Layer {
-    /// Light source's illuminance at the layer, lux per colour.
+    /// Light source's illuminance at the layer's top, lux per colour.
     pub light_lux: [f32; 3],
     /// Height of the base over the sphere.
     pub base_m: f32,
@@ -141,6 +141,10 @@ pub struct Layer {
     pub varied: f32,
     /// How many times finer than the detail the finer clumps are; whole, so that they wrap with it.
     pub clumps_finer: f32,
+    /// Share of it that the air leaves on the way down to the base, per colour: low suns are redder there.
+    pub low_light: [f32; 3],
+    /// Pads to 16 bytes.
+    pub pad0: f32,
     /// Middle of a sphere around all of a region's layer: east, north, height over the tangent plane, m.
     pub bound_m: [f32; 3],
     /// Its radius; 0: the layer has no bound.

@@ -228,7 +228,7 @@ impl Ray<'_> {
         let shown = shown(layer, &prepared.textures, self.camera.earth_m, p, height)
             * relieved(layer, &prepared.textures, self.camera.earth_m, p, height, t);
         let view = view(layer, self.direction);
-        let mut lit = source(layer, light, &view, p, shown);
+        let mut lit = source(layer, light, &view, p, height, shown);
         if prepared.textures.glow.is_some() {
             let from_below = decode(layer.encoding(), light, &view).ground;
             lit += city_glow(layer, &prepared.textures, self.camera.earth_m, p, height, from_below);

@@ -48,6 +48,8 @@ pub struct ClearSky<'a> {
 pub struct Column {
     /// Above all layers.
     pub top: Level,
+    /// The height that this is told for, m.
+    pub top_m: f32,
     /// Above each layer, by its index.
     pub above: Vec<Level>,
     /// Light that comes up to each layer from what lies below it, by its index: lux per colour on a level plane.
@@ -61,11 +63,14 @@ pub struct Column {
 /// Share of its light that the ground sends back.
 pub const GROUND_ALBEDO: f32 = 0.13;
 
+/// Lowest height at which the light above all layers is told, m.
+const LEAST_TOP_M: f32 = 1_000.0;
+
 impl Column {
     /// The light under layers that rise without overlap.
     pub fn new(layers: &[LayerState], clear: &ClearSky, eye_m: f64) -> Self {
         let top_m = layers.last().map_or(0.0, |l| l.base_m + l.thickness_m) as f32;
-        let (top, mu) = ((clear.at)(top_m.max(1_000.0)), clear.mu);
+        let (top, mu) = ((clear.at)(top_m.max(LEAST_TOP_M)), clear.mu);
         let mut now = top;
         let mut eye = clear.eye;
         let mut above = vec![top; layers.len()];
@@ -88,7 +93,7 @@ impl Column {
             below_lux.push(up_lux);
             up_lux = sent_up(layer, *above, up_lux, mu);
         }
-        Self { top, above, below_lux, eye, ground }
+        Self { top, top_m: top_m.max(LEAST_TOP_M), above, below_lux, eye, ground }
     }
 
     /// The light under layers that stand among those around them: indices count the former alone.

@@ -49,6 +49,17 @@ fn overcast(kind: CloudKind, base_m: f64, thickness_m: f64) -> Vec<LayerState> {
 }
 
 #[test]
+fn a_low_sun_is_redder_at_a_towers_base_than_at_its_top_and_a_high_one_is_not() {
+    let light_of = |elevation_deg: f64| light(&sun(clear_day(), elevation_deg));
+    let [low, high] = [2.0, 60.0].map(light_of).map(|light| light.lower(1_000.0, 12_000.0));
+    assert!(low.x > 2.0 * low.z && low.x < 0.8, "{low}");
+    // By Beer's law over what of the molecules lies between, 1.0 - 0.27 of their columns at 60 degrees: blue light.
+    let molecules = (-33.1e-6f32 * 8_000.0 * ((-0.125f32).exp() - (-1.5f32).exp()) / 60f32.to_radians().sin()).exp();
+    assert!(high.z < molecules && high.z > 0.8 * molecules, "{high} {molecules}");
+    assert_eq!(light_of(20.0).lower(3_000.0, 3_000.0), Vec3::ONE);
+}
+
+#[test]
 fn the_ground_is_as_bright_as_it_is_outside() {
     // Within a factor of two: the figures are round and hold for no air and no cloud in particular.
     let within = |name: &str, lux: f64, [low, high]: [f64; 2]| {

@@ -76,8 +76,12 @@ fn case(run: &mut Run, size_px: [u32; 2], sight: &Sight) -> Result<(), Stopped> 
     let Sight { name, altitude_m, pitch_deg, kind, coverage, utc_s } = *sight;
     let eye = EyePoint { altitude_m, pitch_deg, size_px, field_of_view_deg: 60.0 };
     let layer = LayerSpec { coverage, ..scene::layer(kind, 1_000.0, 1_200.0) };
-    let plan_for =
-        |quality: Quality| scene::plan_of(&scene::snapshot_at(eye, &[layer], quality, utc_s)?, Output::LinearRgb);
+    let plan_for = |quality: Quality| {
+        let mut plan = scene::plan_of(&scene::snapshot_at(eye, &[layer], quality, utc_s)?, Output::LinearRgb)?;
+        // Between the clouds photons meet no air.
+        plan.layers.iter_mut().for_each(|plan| plan.layer.low_light = [1.0; 3]);
+        Ok(plan)
+    };
     let plan = plan_for(Quality { deck_scale: 1, ..DEFAULT_QUALITY })?;
     let width = plan.size_px[0] as usize;
     let mut executor = ReferenceExecutor::new();
