@@ -3,10 +3,14 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::collections::{BTreeMap, BTreeSet};
 use std::hint::black_box;
+use std::time::Duration;
+use stormdeck::clouds::CloudKind;
+use stormdeck::clouds::coverage::Coverage;
 use stormdeck::numeric::haar::Haar;
 use stormdeck::numeric::noise::fractal;
 use stormdeck::scattering::basis::{Basis, Content, Recipe};
 use stormdeck::scattering::compress::{Ambient, Sum};
+use stormdeck::scattering::deck::Deck;
 use stormdeck::scattering::lights::Lights;
 use stormdeck::scattering::medium::Medium;
 use stormdeck::scattering::ordinates::{Params, PointSource, Solver};
@@ -27,10 +31,19 @@ fn cloud(depth: f32, finer: usize) -> Medium {
     Medium::new(cells, [edge; 3], values, false).expect("a medium")
 }
 
+/// Stratocumulus that covers the sky, in cells of 500 m.
+fn deck() -> Medium {
+    let kind = CloudKind::Stratocumulus;
+    let theta = Coverage::of(kind).threshold(1.0).typical;
+    Deck { kind, theta, density: 1.0, thickness_m: 500.0 }.medium([32, 32, 4]).expect("a medium")
+}
+
 /// The paper's 2,800 lights.
 fn recipe(medium: &Medium, content: Content) -> Recipe {
-    let params = Params { phase: Phase::HenyeyGreenstein(0.85), albedo: 0.99, tolerance: 1e-3, ..Params::default() };
-    let lights = Lights::even([20, 20, 7], medium.size_m(), 4.0, false).expect("lights");
+    // Droplets absorb next to nothing; the paper's cloud is compared at 0.99.
+    let (albedo, below_m) = if medium.periodic { (0.9999, 1_000.0) } else { (0.99, 4.0) };
+    let params = Params { phase: Phase::HenyeyGreenstein(0.85), albedo, tolerance: 1e-3, ..Params::default() };
+    let lights = Lights::even([20, 20, 7], medium.size_m(), below_m, medium.periodic).expect("lights");
     Recipe { medium: medium.clone(), params, lights, content, packing: content.usual_packing() }
 }
 
@@ -59,7 +72,8 @@ fn weights(recipe: &Recipe) -> BTreeMap<usize, f32> {
 fn light(criterion: &mut Criterion) {
     rayon::ThreadPoolBuilder::new().num_threads(1).build_global().expect("the first pool");
     let mut group = criterion.benchmark_group("scattering");
-    group.sample_size(10);
+    // Each takes long enough for ten to tell its spread.
+    group.sample_size(10).warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(2));
     for depth in [1.0, 4.0, 16.0] {
         let params = Params { phase: Phase::HenyeyGreenstein(0.85), albedo: 0.99, ..Params::default() };
         let solver = Solver::new(&cloud(depth, 1), params).expect("a solver");
@@ -71,12 +85,16 @@ fn light(criterion: &mut Criterion) {
             b.iter(|| solver.solve(black_box(&lanes)).expect("solved"));
         });
     }
-    for (finer, parts) in [(1, 25), (2, 175)] {
-        let recipe = recipe(&cloud(1.0 / finer as f32, finer), Content::Diffuse);
-        let [nx, ny, nz] = recipe.medium.cells;
+    for (name, medium, content, parts) in [
+        ("32x32x4, total", cloud(1.0, 1), Content::Total, 175),
+        ("32x32x4, diffuse", cloud(1.0, 1), Content::Diffuse, 175),
+        ("64x64x8, diffuse", cloud(0.5, 2), Content::Diffuse, 175),
+        ("stratocumulus of 32x32x4, diffuse", deck(), Content::Diffuse, 400),
+    ] {
+        let recipe = recipe(&medium, content);
         // From the middle, where the source lies in the cloud.
         let share = recipe.share(parts / 2, parts);
-        group.bench_function(format!("bake, 1/{parts} of 2,800 lights, {nx}x{ny}x{nz}"), |b| {
+        group.bench_function(format!("bake, 1/{parts} of 2,800 lights, {name}"), |b| {
             b.iter(|| {
                 let take = |_, block| {
                     black_box(block);

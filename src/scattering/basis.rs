@@ -95,7 +95,7 @@ impl Recipe {
     }
 
     /// Lights that are solved together, in order: those of a column where the medium repeats (they share a window), else
-    /// sixteen. Batches, not lights, are shared out, since the lanes of a batch stop together.
+    /// sixteen. Batches, not lights, are shared out, since where lights cannot be solved alone the lanes of a batch stop together.
     pub fn batches(&self) -> Vec<Range<usize>> {
         let column = if self.medium.periodic { self.lights.z_m.len() } else { self.lights.len() };
         let mut batches = Vec::new();
@@ -174,6 +174,9 @@ impl Recipe {
             }
             moments
         };
+        for light in lights.clone() {
+            super::ordinates::check_sources(&[&point(light)])?;
+        }
         // Each light alone where that can be: it stops when it has converged and its numbers stay near the processor.
         let alone: Option<Vec<Vec<f32>>> = lights
             .clone()
