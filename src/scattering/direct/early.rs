@@ -1,7 +1,7 @@
 //! Early collisions: in thick clouds, light around its source is followed collision by collision.
 //!
-//! Within a cell or two of its source light falls steeply, and a solver that knows a mean and a straight line a cell puts too much into
-//! the cell of the source (a third of a real deck's light, and a quarter of the solver's error; with cells thicker still too little).
+//! Within a cell or two of its source light falls steeply, and a solver that knows a mean and a straight line a cell puts a quarter to a
+//! half too much into the cell of the source where cells are four to ten deep (too little where they are deeper still).
 //! So a photon for each near ray is followed until it collides for the first time farther from its source than
 //! a radius; those collisions are the solver's source. What a flight leaves in cells is counted by expectation (along the whole
 //! flight, weighted by what is left of it), and photons are led to collide within the radius and lose weight for it: energy is
