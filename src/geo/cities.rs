@@ -3,6 +3,7 @@
 //! They are read where they lie in the program, sorted by cells of one degree: no table is made of them, by day or by night.
 //! Quarters that are listed beside their city are not counted again (see `data/make-tables.py`).
 
+use super::terrain::Terrain;
 use glam::DVec3;
 
 /// Mean radius of the Earth: positions are good to a metre, distances between cities need no better.
@@ -30,6 +31,13 @@ impl City {
     /// Radius of a disc with the area that it is built on.
     pub fn radius_m(&self) -> f64 {
         1_000.0 * (self.population / PER_KM2 / std::f64::consts::PI).sqrt()
+    }
+
+    /// Height of the ground that it stands on, without what is shorter than the city is wide.
+    pub fn ground_m(&self, terrain: &Terrain) -> f64 {
+        let level = self.zenith.x.hypot(self.zenith.y);
+        let (latitude_rad, longitude_rad) = (self.zenith.z.atan2(level), self.zenith.y.atan2(self.zenith.x));
+        terrain.smoothed_height_m(latitude_rad, longitude_rad, self.radius_m())
     }
 }
 

@@ -20,6 +20,13 @@ const FIELD: &str = concat!(
     "\n",
     include_str!("../passes/deck/walk.wgsl")
 );
+const GROUND: &str = concat!(
+    include_str!("../passes/ground/hills.wgsl"),
+    "\n",
+    include_str!("../passes/ground/ground.wgsl"),
+    "\n",
+    include_str!("../passes/ground/lamps.wgsl")
+);
 const RELIEF: &str = include_str!("../passes/relief/field.wgsl");
 
 /// All WGSL modules by name, as they are compiled.
@@ -27,7 +34,7 @@ pub fn shaders() -> Vec<(&'static str, String)> {
     let with_common = |name, text: &str| (name, format!("{COMMON}\n{text}"));
     vec![
         with_common("sky", include_str!("../passes/sky/sky.wgsl")),
-        with_common("ground", &format!("{RELIGHT}\n{RELIEF}\n{}", include_str!("../passes/ground/ground.wgsl"))),
+        with_common("ground", &format!("{RELIGHT}\n{RELIEF}\n{GROUND}")),
         with_common("relief", &format!("{RELIEF}\n{}", include_str!("../passes/relief/relief.wgsl"))),
         with_common("deck", &format!("{RELIGHT}\n{FIELD}\n{}", include_str!("../passes/deck/deck.wgsl"))),
         with_common("march", &format!("{RELIGHT}\n{FIELD}\n{}", include_str!("../passes/deck/march.wgsl"))),
@@ -79,6 +86,8 @@ pub struct GroundVariant {
     pub shadows: bool,
     pub land: bool,
     pub terrain: bool,
+    pub hills: bool,
+    pub own_lamps: bool,
 }
 
 impl GroundVariant {
@@ -91,10 +100,12 @@ impl GroundVariant {
             shadows: plan.shadow.is_some(),
             land: plan.relief.is_some(),
             terrain: plan.terrain(),
+            hills: ground.hills > 0,
+            own_lamps: ground.lamps > 0,
         }
     }
 
-    fn constants(self) -> [(&'static str, f64); 6] {
+    fn constants(self) -> [(&'static str, f64); 8] {
         let flag = |on: bool| f64::from(u8::from(on));
         [
             ("SEVERAL_CHARTS", flag(self.several_charts)),
@@ -103,6 +114,8 @@ impl GroundVariant {
             ("SHADOWS", flag(self.shadows)),
             ("LAND", flag(self.land)),
             ("TERRAIN", flag(self.terrain)),
+            ("HILLS", flag(self.hills)),
+            ("OWN_LAMPS", flag(self.own_lamps)),
         ]
     }
 }

@@ -159,7 +159,7 @@ impl Resident {
                 let texels = glow::build(&plan.window);
                 let bytes = bytemuck::cast_slice(texels.as_flattened());
                 let table = filled(gpu, "glow", wgpu::TextureFormat::Rgba16Float, size, bytes);
-                self.glow = Some((plan.window, table.clone()));
+                self.glow = Some((plan.window.clone(), table.clone()));
                 table
             }
         };

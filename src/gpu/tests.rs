@@ -7,12 +7,13 @@
 use super::GpuExecutor;
 use super::pipelines::{Pipelines, shaders};
 use crate::frame::Pixels;
+use crate::passes::ground::Ground;
 use crate::passes::light::encoding::Encoding;
 use crate::plan::executor::{Executor, Fault};
 use crate::plan::{FramePlan, Output};
 use crate::reference::ReferenceExecutor;
 use crate::world::snapshot::DeckForm;
-use scene::{BELOW, CITY, MOUNTAINS, Scene};
+use scene::{BELOW, CITY, LOW_OVER_A_CITY, MOUNTAINS, Scene};
 use std::collections::HashMap;
 
 mod relight;
@@ -98,6 +99,31 @@ fn terrain_equals_its_twin_and_hides_what_is_behind() {
         let flat = FramePlan { relief: None, ..plan.clone() };
         let (mean, ..) = difference(&draw(&mut gpu, &plan), &draw(&mut gpu, &flat), 0.05);
         assert!(mean > 0.05, "{name}: there is relief to compare: {mean}");
+    }
+}
+
+#[test]
+#[cfg_attr(not(gpu_tests), ignore = "no graphics adapter")]
+fn light_of_hills_clouds_and_lamps_on_the_ground_equals_its_twin() {
+    let mut gpu = gpu();
+    let hills = Scene { coverage: 0.0, low_sun: true, ..MOUNTAINS };
+    let glow = Scene { coverage: 1.0, ..LOW_OVER_A_CITY };
+    let own = Scene { own_lights: true, ..LOW_OVER_A_CITY };
+    type Without = fn(&mut Ground);
+    let scenes: [(&str, Scene, Without); 3] = [
+        ("shadows of hills", hills, |ground| ground.hills = 0),
+        ("glow on the ground", glow, |ground| ground.glow_lux = 0.0),
+        ("the own ship's lights on the ground", own, |ground| ground.lamps = 0),
+    ];
+    for (name, scene, without) in scenes {
+        let (mean, beyond) = compare(name, &mut gpu, scene);
+        // As for ground with heights and with lamps.
+        assert!(mean < 0.01 && beyond < 0.06, "{name}: {mean} {beyond}");
+        let plan = scene.plan(Output::LinearRgb);
+        let mut plain = plan.clone();
+        without(plain.ground.as_mut().expect("ground is in sight"));
+        let (mean, ..) = difference(&draw(&mut gpu, &plain), &draw(&mut gpu, &plan), 0.05);
+        assert!(mean > 0.01, "{name}: there is something to compare: {mean}");
     }
 }
 
@@ -273,6 +299,9 @@ fn a_wrong_shader_is_noticed() {
         ("march", "glow.strength * arrives", "glow.strength * (1.1 * arrives)"),
         ("beams", "* extinction * ds * passed", "* extinction * (1.1 * ds) * passed"),
         ("ground", "spread * spread * inside", "spread * spread"),
+        ("ground", "passed *= through_hills(", "passed *= 0.3 * through_hills("),
+        ("ground", "0.6 * city_light(place_m, level)", "0.8 * city_light(place_m, level)"),
+        ("ground", "let shines = lamp.intensity_cd", "let shines = 3.0 * lamp.intensity_cd"),
     ] {
         gpu.pipelines = broken(&gpu, module, right, wrong);
         let scene = match module {
@@ -284,10 +313,13 @@ fn a_wrong_shader_is_noticed() {
             "march" if right.contains("before_clouds") => Scene { coverage: 1.0, pitch_deg: 2.0, ..BELOW },
             "march" if right.contains("CLUMP") => Scene { coverage: 1.0, altitude_m: 1_500.0, pitch_deg: 0.0, ..BELOW },
             "march" if right.contains("glow") => Scene { coverage: 1.0, ..CITY },
-            "ground" if right.contains("passed") => Scene { pitch_deg: -35.0, altitude_m: 900.0, ..BELOW },
+            "ground" if right.contains("t, passed") => Scene { pitch_deg: -35.0, altitude_m: 900.0, ..BELOW },
             "ground" if right.contains("inside") => {
                 Scene { coverage: 0.0, altitude_m: 4_000.0, pitch_deg: -35.0, ..CITY }
             }
+            "ground" if right.contains("hills") => Scene { coverage: 0.0, low_sun: true, ..MOUNTAINS },
+            "ground" if right.contains("city_light") => Scene { coverage: 1.0, ..LOW_OVER_A_CITY },
+            "ground" if right.contains("shines") => Scene { own_lights: true, ..LOW_OVER_A_CITY },
             "ground" => Scene { coverage: 0.0, pitch_deg: -50.0, ..BELOW },
             "beams" => Scene { own_lights: true, coverage: 1.0, altitude_m: 1_600.0, pitch_deg: 0.0, ..CITY },
             "sky" => Scene { coverage: 0.0, altitude_m: 9000.0, pitch_deg: 3.0, ..BELOW },

@@ -1,8 +1,10 @@
 //! The own ship's lights: which lamps shine in a picture, and what lies before them.
 
 use super::eye::Eye;
+use super::illuminance::Level;
 use super::{LayerPlan, PassNote};
 use crate::clouds::density::DensityVolume;
+use crate::geo::frames::{ENU_NED, enu, ned_from_body};
 use crate::passes::beams::{Beams, LAMPS, LOOKS, Lamp, ranges_m, twin};
 use crate::passes::common::{Camera, HAZE_SCALE_M};
 use crate::passes::deck::clumps::varied;
@@ -31,6 +33,9 @@ const STROBE_FLASH_S: f64 = 0.1;
 /// lights at the wings' roots, strobes at their tips.
 const LANDING_M: [[f32; 3]; 2] = [[-2.0, -3.5, 2.0], [-2.0, 3.5, 2.0]];
 const STROBE_M: [[f32; 3]; 2] = [[-8.0, -17.0, 0.0], [-8.0, 17.0, 0.0]];
+/// Least illuminance right below a lamp whose light on the ground is seen, lux, and against the ground's other light.
+const LEAST_LUX: f32 = 1.0;
+const LEAST_SHARE: f32 = 0.02;
 /// Share of a strobe's light that the exposure answers to, as it does to lightning.
 const FLASH_METERED: f32 = 0.3;
 
@@ -43,10 +48,14 @@ pub fn lit(
     layers: &[LayerPlan],
     notes: &mut Vec<PassNote>,
 ) -> Option<Beams> {
-    let strobe = strobe_cd(snapshot.shutter_s);
     let mut note = |kept, why: &str| notes.push(PassNote { pass: "beams", kept, why: why.to_owned() });
-    if !(view.lights.landing || view.lights.strobe && strobe > 0.0) {
+    let lamps = lamps(snapshot, eye, view);
+    if lamps.is_empty() {
         note(false, "no light of the own ship shines in this frame");
+        return None;
+    }
+    if lamps.iter().all(|lamp| Vec3::from(lamp.position_m).length() > ranges_m()[LOOKS - 1]) {
+        note(false, "the own ship is far away");
         return None;
     }
     let extinction_per_m = extinction(camera, layers);
@@ -55,10 +64,31 @@ pub fn lit(
         return None;
     }
     note(true, "the own ship's lights shine in cloud or haze");
-    let [forward, right, down] = eye.body;
-    let in_body = |[f, r, d]: [f32; 3]| forward * f + right * r + down * d;
-    let own = Vec3::from(view.offset_m.map(|v| v as f32));
-    let place = |body: [f32; 3]| in_body((Vec3::from(body) - own).into()).into();
+    let mut beams = Beams { lamps: 0, pad0: 0, pad1: 0, pad2: 0, lamp: [Lamp::default(); LAMPS], extinction_per_m };
+    for (slot, lamp) in beams.lamp.iter_mut().zip(lamps) {
+        *slot = lamp;
+        beams.lamps += 1;
+    }
+    Some(beams)
+}
+
+/// The own ship's lamps that shine, about the eye: they sit on the own ship, whatever carries the view.
+fn lamps(snapshot: &Snapshot, eye: &Eye, view: &ViewState) -> Vec<Lamp> {
+    let strobe = strobe_cd(snapshot.shutter_s);
+    let (origin, [forward, right, down]) = match view.carrier {
+        None => {
+            let [forward, right, down] = eye.body;
+            let [f, r, d] = view.offset_m.map(|v| v as f32);
+            (-(forward * f + right * r + down * d), eye.body)
+        }
+        Some(_) => {
+            let ship = &snapshot.ownship;
+            let axes = eye.enu.transpose() * enu(&ship.position) * ENU_NED * ned_from_body(&ship.attitude);
+            let origin = eye.place(&ship.position) - Vec3::new(0.0, 0.0, eye.height_m as f32);
+            (origin, [axes.x_axis, axes.y_axis, axes.z_axis].map(|axis| axis.as_vec3()))
+        }
+    };
+    let place = |[f, r, d]: [f32; 3]| (origin + forward * f + right * r + down * d).into();
     let (sin, cos) = LANDING_DOWN_RAD.sin_cos();
     let landing = LANDING_M.map(|body| Lamp {
         position_m: place(body),
@@ -73,13 +103,31 @@ pub fn lit(
         narrowness: 0.0,
     });
     let lamps = landing.into_iter().filter(|_| view.lights.landing);
-    let lamps = lamps.chain(flashing.into_iter().filter(|_| view.lights.strobe && strobe > 0.0));
-    let mut beams = Beams { lamps: 0, pad0: 0, pad1: 0, pad2: 0, lamp: [Lamp::default(); LAMPS], extinction_per_m };
-    for (slot, lamp) in beams.lamp.iter_mut().zip(lamps) {
-        *slot = lamp;
-        beams.lamps += 1;
-    }
-    Some(beams)
+    lamps.chain(flashing.into_iter().filter(|_| view.lights.strobe && strobe > 0.0)).collect()
+}
+
+/// The lamps that light the ground so much that it is seen: near it, and by night.
+pub fn on_ground(
+    snapshot: &Snapshot,
+    eye: &Eye,
+    view: &ViewState,
+    ground: &Level,
+    up: f32,
+    notes: &mut Vec<PassNote>,
+) -> Vec<Lamp> {
+    let mut lamps = lamps(snapshot, eye, view);
+    let any = !lamps.is_empty();
+    let over_m =
+        (snapshot.ownship.position.altitude_m - snapshot.terrain.height_m(&snapshot.ownship.position)).max(1.0);
+    let least_lux = LEAST_LUX.max(LEAST_SHARE * ground.horizontal_lux(up).y);
+    lamps.retain(|lamp| lamp.intensity_cd / (over_m * over_m) as f32 > least_lux);
+    let why = match (any, lamps.is_empty()) {
+        (false, _) => "no light of the own ship shines in this frame",
+        (true, true) => "the ground is too far away or too bright for the own ship's lights",
+        (true, false) => "the own ship's lights shine on the ground",
+    };
+    notes.push(PassNote { pass: "beams on the ground", kept: !lamps.is_empty(), why: why.to_owned() });
+    lamps
 }
 
 /// Mean intensity of a strobe over a shutter interval, cd: flashes are even in light while they last.

@@ -91,8 +91,8 @@ pub fn outlines(regions: &[NearRegion], column: usize, layer: &LayerState, eye: 
         *slot = near.outline;
         if own && let Some(cell) = Cell::of(layer, &near.state.shape) {
             *slot = cell.outline(near.outline.presence, eye);
-        } else if !own && near.state.stands_in() {
-            slot.presence = 0.0;
+        } else if !own {
+            slot.presence *= near.state.gives_way() as f32;
         }
     }
     found

@@ -3,11 +3,11 @@
 mod air;
 mod column;
 mod exposure;
+mod ground;
 
 use super::PassNote;
 use super::eye::Eye;
 use super::regions::NearRegion;
-use super::shadow::{self, ShadowPlan};
 use crate::geo::Geodetic;
 use crate::geo::cities::near;
 use crate::geo::frames::enu;
@@ -15,9 +15,7 @@ use crate::geo::stars::earth_from_stars;
 use crate::geo::terrain::Terrain;
 use crate::geo::wgs84::MEAN_RADIUS_M;
 use crate::passes::common::{AIR_SCALE_M, Camera, smoothstep};
-use crate::passes::deck::{FLASHES, Flash};
 use crate::passes::ground::lights::CORE_LUMINANCE;
-use crate::passes::ground::{FIELDS_TILE_M, Ground};
 use crate::passes::sky::atmosphere::{Air, Luminary, MOON_LUX, SUN_LUX};
 use crate::passes::sky::lamps::{CityLamps, MOST};
 use crate::passes::sky::multiple::HigherOrders;
@@ -26,9 +24,11 @@ use crate::passes::sky::{Sky, Stars, stars};
 use crate::world::command::Frustum;
 use crate::world::regions::weight_at;
 use crate::world::snapshot::{LayerState, Snapshot, ViewState};
-use column::{ClearSky, Column, Level};
+pub use column::Level;
+use column::{ClearSky, Column};
 pub use exposure::FULL_LUX_EXPOSURE;
-use glam::{DMat3, DQuat, Vec2, Vec3};
+use glam::{DMat3, Vec2, Vec3};
+use ground::Sheet;
 
 /// Angular radius of the sun and, nearly, of the moon.
 const DISC_RAD: f32 = 0.004_65;
@@ -55,8 +55,12 @@ pub struct Illuminance {
     pub exposure: f32,
     /// How much each column rules at the eye.
     shares: Vec<f32>,
-    /// Which columns are those of regions that stand in the surroundings' weather.
-    stands_in: Vec<bool>,
+    /// How far the surroundings' weather gives way to each column's: 0 for storm cells that stand in it.
+    gives_way: Vec<f32>,
+    /// What ground may reach through, and the light above it.
+    sheet: Option<Sheet>,
+    /// Share of light from below that the clouds send down again, and the height that they have for it, m.
+    underside: [f32; 2],
     air: Air,
     lights: [Luminary; 2],
     /// How much of the lamps of cities is lit: all while the sun is lower than 8 degrees below the horizon, none above 1.7.
@@ -113,20 +117,30 @@ impl Illuminance {
         let mu = key.direction.z.max(0.02);
         let clear = ClearSky { at: &level, eye: level(eye.height_m as f32), ground: level(0.0), mu };
         let around = &snapshot.weather.layers;
-        let of = |region: &NearRegion| match region.state.stands_in() {
-            true => Column::standing_in(&region.state.weather.layers, around, &clear, eye.height_m),
-            false => Column::new(&region.state.weather.layers, &clear, eye.height_m),
+        let of = |region: &NearRegion| {
+            let own = &region.state.weather.layers;
+            let standing = || Column::standing_in(own, around, &clear, eye.height_m);
+            let alone = || Column::new(own, &clear, eye.height_m);
+            match region.state.gives_way() as f32 {
+                share if share <= 0.0 => standing(),
+                share if share >= 1.0 => alone(),
+                share => Column::between(&standing(), &alone(), share),
+            }
         };
         let columns: Vec<Column> =
             std::iter::once(Column::new(around, &clear, eye.height_m)).chain(regions.iter().map(of)).collect();
-        let stands_in = std::iter::once(false).chain(regions.iter().map(|region| region.state.stands_in())).collect();
+        let gives_way = regions.iter().map(|region| region.state.gives_way() as f32);
+        let gives_way = std::iter::once(1.0).chain(gives_way).collect();
         let shares = shares(regions);
         let here = |level: fn(&Column) -> Level| Level::mixed(shares.iter().copied().zip(columns.iter().map(level)));
         let (at_eye, ground) = (here(|column| column.eye), here(|column| column.ground));
+        let weathers = weathers(snapshot, regions, &columns, &shares);
+        let sheet = if snapshot.terrain.is_ellipsoid() { None } else { Sheet::of(&weathers) };
+        let underside = ground::underside(&weathers);
         // Towards the sun the sky of a twilight is many times as bright as overhead.
         let set = 1.0 - smoothstep(-0.06, 0.0, sun.z);
         let bright_side_lux =
-            if set > 0.0 { set * bright_side_lux(&air, &higher, eye.height_m as f32, &lights) } else { 0.0 };
+            if set > 0.0 { set * exposure::bright_side_lux(&air, &higher, eye.height_m as f32, &lights) } else { 0.0 };
         // As much as of all skylight comes through the clouds; what they let through is the more even the less it is.
         let open = (at_eye.diffuse_lux.y / clear.eye.diffuse_lux.y.max(1e-9)).min(1.0);
         let ev = exposure::ev100(view.exposure, &at_eye, mu, bright_side_lux * open * open, snapshot, eye);
@@ -140,8 +154,8 @@ impl Illuminance {
             haze_per_m: air.haze_per_m,
             lights: lights.map(|l| Luminary { direction: quantised_direction(l.direction), ..l }),
             night_luminance,
-            cities: cities(eye, night),
-            shade: air::shade(&weathers(snapshot, regions, &columns, &shares), &clear, height_m),
+            cities: cities(eye, night, &snapshot.terrain),
+            shade: air::shade(&weathers, &clear, height_m),
             scale,
         };
         // Full scale at 1.2 * 2^EV cd/m2 (ISO 2720 with K = 12.5 and saturation-based speed).
@@ -157,7 +171,9 @@ impl Illuminance {
             unshaded_lux,
             exposure,
             shares,
-            stands_in,
+            gives_way,
+            sheet,
+            underside,
             air,
             lights,
             night,
@@ -241,52 +257,6 @@ impl Illuminance {
         })
     }
 
-    /// The light on ground between the clouds.
-    pub fn between_clouds(&self) -> shadow::Light {
-        let (direct_lux, diffuse_lux) = (self.unshaded_lux.y, self.ground.diffuse_lux.y);
-        shadow::Light { source: self.source, direct_lux, diffuse_lux, stands_in: self.stands_in.clone() }
-    }
-
-    /// Light for ground with shadows: the source's is that between clouds. Clouds stop more of it than the columns know, who
-    /// know no flanks and no slant; that share is scattered and comes down as diffuse light, so that the mean over much
-    /// ground stays what the exposure is made for.
-    fn shaded(&self, shadows: &ShadowPlan) -> Level {
-        let stopped = |(column, through): (&Column, &f32)| column.ground.direct_lux - self.unshaded_lux * *through;
-        let stopped = self.columns.iter().zip(&shadows.through).map(stopped);
-        let more: Vec3 = stopped.zip(&self.shares).map(|(lux, share)| lux * *share).sum();
-        let diffuse_lux = self.ground.diffuse_lux + more * self.source.z.max(0.0);
-        Level { direct_lux: self.unshaded_lux, diffuse_lux: diffuse_lux.max(0.5 * self.ground.diffuse_lux) }
-    }
-
-    /// The ground, if it is in sight. Without shadows, the source's light is what the layers let through of it on the whole.
-    pub fn ground(
-        &self,
-        eye: &Eye,
-        shadows: Option<&ShadowPlan>,
-        flashes: &[Flash],
-        notes: &mut Vec<PassNote>,
-    ) -> Option<Ground> {
-        notes.push(PassNote { pass: "ground", kept: true, why: "the ground is below the eye".into() });
-        let light = shadows.map_or(self.ground, |shadows| self.shaded(shadows));
-        let (near, chart) = eye.charts(DQuat::IDENTITY, super::layers::extent_m(eye, 0.0), f64::from(FIELDS_TILE_M));
-        let mut flash = [Flash::default(); FLASHES];
-        flash[..flashes.len()].copy_from_slice(flashes);
-        Some(Ground {
-            light_lux: light.direct_lux.into(),
-            flashes: flashes.len() as u32,
-            light_direction: self.source.into(),
-            city_luminance: CORE_LUMINANCE * self.night,
-            sky_lux: light.diffuse_lux.into(),
-            charts: near.len() as u32,
-            snow_m: snow_line_m(eye.position.latitude_rad),
-            shore_m: if Terrain::is_land(&eye.position) { 1e5 } else { -1e5 },
-            pad0: 0.0,
-            pad1: 0.0,
-            chart,
-            flash,
-        })
-    }
-
     /// What the air leaves of the source's light between the heights of a column's top and of one of its layers', per colour.
     pub fn reddening(&self, column: usize, top_m: f64) -> Vec3 {
         self.lower(top_m, f64::from(self.columns[column].top_m))
@@ -307,7 +277,7 @@ impl Illuminance {
 
 /// The cities whose light the air around the eye scatters most, `night` of it lit, as from the nearest corner of a grid of a
 /// hundredth of a degree, so that the sky's table is not made for each metre.
-fn cities(eye: &Eye, night: f32) -> [CityLamps; MOST] {
+fn cities(eye: &Eye, night: f32, terrain: &Terrain) -> [CityLamps; MOST] {
     let mut found = [CityLamps::default(); MOST];
     if night <= 0.0 {
         return found;
@@ -322,20 +292,14 @@ fn cities(eye: &Eye, night: f32) -> [CityLamps; MOST] {
     let lamps = near(axes.z_axis, CITIES_REACH_M).into_iter().map(|city| {
         let away = axes.transpose() * city.zenith * MEAN_RADIUS_M;
         let (place_m, radius_m) = ([away.x as f32, away.y as f32], city.radius_m() as f32);
-        CityLamps { place_m, radius_m, luminance: CORE_LUMINANCE * night }
+        let ground_m = city.ground_m(terrain) as f32;
+        CityLamps { place_m, radius_m, luminance: CORE_LUMINANCE * night, ground_m }
     });
     let mut lamps: Vec<CityLamps> = lamps.collect();
-    let counts = |city: &CityLamps| city.scalar_lux(Vec2::ZERO, 500.0);
+    let counts = |city: &CityLamps| city.scalar_lux(Vec2::ZERO, city.ground_m + 500.0);
     lamps.sort_by(|a, b| counts(b).total_cmp(&counts(a)));
     found.iter_mut().zip(lamps).for_each(|(slot, city)| *slot = city);
     found
-}
-
-/// Height above which snow lies in summer: 5 km on the equator, 2.9 km in the Alps, sea level at 72 degrees (a parabola
-/// through Porter 1975's and later snow lines, which scatter by half a kilometre).
-fn snow_line_m(latitude_rad: f64) -> f32 {
-    let share = latitude_rad.to_degrees() / 72.0;
-    (5_000.0 * (1.0 - share * share)).max(-2_000.0) as f32
 }
 
 /// Visibility at a place: the regions' where it is inside them, between the two by its logarithm in a transition.
@@ -381,35 +345,6 @@ fn skylight(air: &Air, higher: &HigherOrders, height_m: f32, lights: &[Luminary;
         }
     }
     sum * (std::f32::consts::PI / (rows * columns) as f32)
-}
-
-/// How much more light of the clear sky a plane has that stands upright and faces the brighter luminary than half of what a level one has,
-/// which is its part of an even sky; twice that, lux.
-fn bright_side_lux(air: &Air, higher: &HigherOrders, height_m: f32, lights: &[Luminary; 2]) -> f32 {
-    let lights: Vec<Luminary> = lights.iter().filter(|l| l.illuminance_lux != Vec3::ZERO).copied().collect();
-    let Some(brightest) = lights.iter().max_by(|a, b| {
-        let strength = |l: &Luminary| l.illuminance_lux.y * (8.0 * l.direction.z.min(0.0)).exp();
-        strength(a).total_cmp(&strength(b))
-    }) else {
-        return 0.0;
-    };
-    let towards = Vec2::new(brightest.direction.x, brightest.direction.y).normalize_or(Vec2::Y);
-    let (rows, columns) = (5, 8);
-    let (mut upright, mut level) = (0.0, 0.0);
-    for row in 0..rows {
-        // Even in height over the horizon, where a twilight has its light.
-        let up = ((row as f32 + 0.5) / rows as f32).powi(2);
-        let flat = (1.0 - up * up).sqrt();
-        let solid = 2.0 * up.sqrt() / rows as f32 * (std::f32::consts::TAU / columns as f32);
-        for column in 0..columns {
-            let (sin, cos) = ((column as f32 + 0.5) / columns as f32 * std::f32::consts::TAU).sin_cos();
-            let azimuth = Vec2::new(towards.x * cos - towards.y * sin, towards.x * sin + towards.y * cos) * flat;
-            let seen = air.inscatter(higher, height_m, azimuth.extend(up), &lights, 12).0.y;
-            upright += seen * (cos * flat).max(0.0) * solid;
-            level += seen * up * solid;
-        }
-    }
-    (2.0 * upright - level).max(0.0)
 }
 
 /// The weathers in sight, the surroundings first, each with how much it rules at the eye and the light through it.

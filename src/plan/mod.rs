@@ -172,8 +172,9 @@ pub fn plan(snapshot: &Snapshot, view: &ViewState, output: Output) -> FramePlan 
     let shadow = shadow::cast(&camera, &light.between_clouds(), &layers, deck_scale, &mut notes);
     let below = stroke::on_ground(&bare, &eye, &flashes);
     let relief = relief::in_sight(snapshot, &eye, light.night > 0.0, &mut notes);
-    let glow = relief::glow(&eye, light.night, !layers.is_empty(), &mut notes);
-    let ground = light.ground(&eye, shadow.as_ref(), &below, &mut notes);
+    let glow = relief::glow(snapshot, &eye, light.night, !layers.is_empty(), &mut notes);
+    let own = beams::on_ground(snapshot, &eye, view, &light.ground, light.source.z, &mut notes);
+    let ground = light.ground(&eye, shadow.as_ref(), relief.as_ref(), &below, &own, &mut notes);
     let stars = light.stars(&eye, &camera, &mut notes);
     notes.push(PassNote { pass: "sky", kept: true, why: "the sky is behind everything".into() });
     let tonemap = output == Output::Srgb8;

@@ -51,7 +51,7 @@ pub struct GlowPlan {
 }
 
 /// The glow on the clouds of a plan; `None`: by day, without clouds, far from all cities. `night`: how much of the lamps is lit.
-pub fn glow(eye: &Eye, night: f32, clouds: bool, notes: &mut Vec<PassNote>) -> Option<GlowPlan> {
+pub fn glow(snapshot: &Snapshot, eye: &Eye, night: f32, clouds: bool, notes: &mut Vec<PassNote>) -> Option<GlowPlan> {
     let lamps = night > 0.0;
     let cities = lamps && clouds && !near(eye.zenith, GLOW_REACH_M).is_empty();
     let why = match (lamps, clouds, cities) {
@@ -63,7 +63,7 @@ pub fn glow(eye: &Eye, night: f32, clouds: bool, notes: &mut Vec<PassNote>) -> O
     notes.push(PassNote { pass: "city glow", kept: cities, why: why.into() });
     cities.then(|| {
         let chart = Lying::of(eye);
-        let window = GlowWindow::around(chart.view.chart, chart.view.origin_m);
+        let window = GlowWindow::around(snapshot.terrain.clone(), chart.view.chart, chart.view.origin_m);
         let origin = window.share(chart.view.origin_m).as_vec2().into();
         let Lying { a, c, stretch, .. } = chart;
         GlowPlan { glow: CityGlow { a, c, stretch, origin, strength: night, pad0: 0.0 }, window }

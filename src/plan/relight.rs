@@ -190,7 +190,7 @@ fn request(snapshot: &Snapshot, part: &Part, method: Lighting) -> Option<(Reques
     }
     let there = below(&flash.position);
     let regions = regions::near(snapshot, &there, &mut Vec::new());
-    let around: f64 = regions.iter().filter(|r| !r.state.stands_in()).map(|r| 1.0 - r.weight).product();
+    let around: f64 = regions.iter().map(|r| 1.0 - r.weight * r.state.gives_way()).product();
     let weathers = std::iter::once((0, &snapshot.weather, around))
         .chain(regions.iter().enumerate().map(|(i, r)| (i + 1, &r.state.weather, r.weight)));
     let mut best: Option<(f64, usize, &LayerState)> = None;
@@ -235,7 +235,7 @@ fn fits(snapshot: &Snapshot, request: &Request) -> bool {
 /// How far a flash lies behind the nearer of the faces of its cloud, m; 0 outside of clouds.
 pub fn depth_m(snapshot: &Snapshot, flash: &FlashState) -> f64 {
     let regions = regions::near(snapshot, &below(&flash.position), &mut Vec::new());
-    let around: f64 = regions.iter().filter(|r| !r.state.stands_in()).map(|r| 1.0 - r.weight).product();
+    let around: f64 = regions.iter().map(|r| 1.0 - r.weight * r.state.gives_way()).product();
     let weathers =
         std::iter::once((&snapshot.weather, around)).chain(regions.iter().map(|r| (&r.state.weather, r.weight)));
     let depth_of = |layer: &LayerState| {

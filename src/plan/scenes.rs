@@ -123,6 +123,7 @@ pub fn region(latitude_deg: f64, longitude_deg: f64, size_m: f64, transition_m: 
         },
         weather: WeatherState { layers: vec![layer(CloudKind::Cumulus, 1_200.0, 900.0)], visibility_m: 40_000.0 },
         presence: 1.0,
+        turning: None,
     }
 }
 

@@ -45,8 +45,8 @@ pub struct Light {
     pub direct_lux: f32,
     /// Lux on a horizontal plane from all the rest.
     pub diffuse_lux: f32,
-    /// Of each weather in sight, the surroundings' first, whether it stands in the surroundings'.
-    pub stands_in: Vec<bool>,
+    /// Of each weather in sight, the surroundings' first, how far the surroundings' gives way to it.
+    pub gives_way: Vec<f32>,
 }
 
 /// The shadows on the ground, if there is anything to see of them. `deck_scale`: that of the deck.
@@ -70,9 +70,8 @@ pub fn cast(
     let why = why_not.map_or_else(|| format!("{} layers cast shadows on the ground", casters.len()), str::to_owned);
     notes.push(PassNote { pass: "shadow", kept: why_not.is_none(), why });
     why_not.is_none().then(|| {
-        let own: Vec<f32> = (0..light.stands_in.len()).map(|weather| through(weather, layers, &casters)).collect();
-        let through =
-            own.iter().zip(&light.stands_in).map(|(share, stands_in)| share * if *stands_in { own[0] } else { 1.0 });
+        let own: Vec<f32> = (0..light.gives_way.len()).map(|weather| through(weather, layers, &casters)).collect();
+        let through = own.iter().zip(&light.gives_way).map(|(share, away)| share * (own[0] + (1.0 - own[0]) * away));
         let through = through.collect();
         ShadowPlan { scale: deck_scale.min(COARSEST), casters, through }
     })

@@ -214,7 +214,10 @@ fn what_a_scene_does_not_need_is_left_out() {
     two.weather.layers[0].density = 0.0;
 
     // Flashes of these scenes have no channel: `plan/stroke/tests.rs` has those that have.
-    let always = |night| [("ground", true), ("stars", night), ("sky", true), ("tonemap", true), ("stroke", false)];
+    let always = |night| {
+        let ground = [("ground", true), ("hills", false), ("glow on the ground", night)];
+        [ground.as_slice(), &[("stars", night), ("sky", true), ("tonemap", true), ("stroke", false)]].concat()
+    };
     let mut looking_up = noon.clone();
     looking_up.ownship.attitude.pitch_rad = 60f64.to_radians();
     let cases: [(&str, Snapshot, Passes); 10] = [
@@ -241,7 +244,13 @@ fn what_a_scene_does_not_need_is_left_out() {
         // Over land with cities, on the bare ellipsoid.
         let night = name.contains("night");
         let coast = plan.notes.iter().any(|note| note.pass == "shore" && note.kept);
-        let relief = [("shore", coast), ("relief", false), ("lamps", night), ("city glow", night)];
+        let relief = [
+            ("shore", coast),
+            ("relief", false),
+            ("lamps", night),
+            ("city glow", night),
+            ("beams on the ground", false),
+        ];
         let mut expected: Vec<(&str, bool)> =
             expected.iter().chain(&relief).chain(&always(night)).chain(form).copied().collect();
         // Shade of one layer on another is told before the shadows on the ground.

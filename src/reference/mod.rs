@@ -215,7 +215,7 @@ impl ReferenceExecutor {
             Some((kept, table)) if kept == window => table.clone(),
             _ => {
                 let table = Arc::new(glow::build(window));
-                self.glow = Some((*window, table.clone()));
+                self.glow = Some((window.clone(), table.clone()));
                 table
             }
         }

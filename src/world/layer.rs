@@ -16,6 +16,8 @@ pub struct Layer {
     thickness_m: Eased,
     density: Eased,
     drift: Drift,
+    /// When it came out of clear air.
+    since: Span,
     leaving: bool,
 }
 
@@ -57,6 +59,7 @@ impl Layer {
             thickness_m: resting(spec.thickness_m),
             density: resting(spec.density),
             drift: Drift::new(wind(spec, here), span.begin_s),
+            since: span,
             leaving: false,
         }
     }
@@ -109,6 +112,27 @@ impl Layer {
     /// Whether it has cleared away for good.
     pub fn gone(&self, now_s: f64) -> bool {
         self.leaving && self.cover.span.done(now_s)
+    }
+
+    /// Whether it comes, goes, or changes its type.
+    pub fn turns(&self, now_s: f64) -> bool {
+        let Cover { old, new, span } = self.cover;
+        !self.since.done(now_s) || (self.leaving || old.0 != new.0) && !span.done(now_s)
+    }
+
+    /// How much it is there as a storm cell, and as any other cloud, whatever its coverage: 0 to 1 each.
+    pub fn cell_or_other(&self, now_s: f64) -> [f64; 2] {
+        let Cover { old, new, span } = self.cover;
+        let progress = span.progress(now_s);
+        let (kind, share) = if old.0 == new.0 {
+            (new.0, if self.leaving { 1.0 - smoothstep(progress) } else { 1.0 })
+        } else if progress < 0.5 {
+            (old.0, 1.0 - smoothstep(2.0 * progress))
+        } else {
+            (new.0, smoothstep(2.0 * progress - 1.0))
+        };
+        let share = share * self.since.smooth(now_s);
+        if kind == CloudKind::StormCell { [share, 0.0] } else { [0.0, share] }
     }
 
     /// What it is when every transition is over.

@@ -26,7 +26,12 @@ pub(super) struct Region {
 impl Region {
     /// The region at a time not before its last edit.
     pub fn at(&self, now_s: f64) -> RegionState {
-        RegionState { shape: self.shape_at(now_s), weather: self.weather.at(now_s), presence: self.presence.at(now_s) }
+        RegionState {
+            shape: self.shape_at(now_s),
+            weather: self.weather.at(now_s),
+            presence: self.presence.at(now_s),
+            turning: self.weather.turning(now_s),
+        }
     }
 
     /// Its own weather.

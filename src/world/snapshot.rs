@@ -102,9 +102,17 @@ pub struct RegionState {
     pub weather: WeatherState,
     /// 0 (not there) to 1 (fully there): eases when a region is made or removed.
     pub presence: f64,
+    /// While its clouds turn from storm cells into others, or back: how far the weather around gives way to them, 0 to 1. `None`:
+    /// as its clouds are (see [`RegionState::gives_way`]).
+    pub turning: Option<f64>,
 }
 
 impl RegionState {
+    /// How far the weather around gives way to the region's: all, but for storm cells, which stand in it.
+    pub fn gives_way(&self) -> f64 {
+        self.turning.unwrap_or(if self.stands_in() { 0.0 } else { 1.0 })
+    }
+
     /// Whether its clouds are storm cells alone: then the weather around goes on, and they stand in it.
     pub fn stands_in(&self) -> bool {
         !self.weather.layers.is_empty() && self.weather.layers.iter().all(|layer| layer.kind == CloudKind::StormCell)

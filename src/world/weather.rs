@@ -44,6 +44,19 @@ impl Weather {
         WeatherState { layers, visibility_m: self.visibility_m.at(now_s) }
     }
 
+    /// While storm cells come or go: how far the weather around gives way to this one. It does so as cells go, is
+    /// gone before other clouds come, and comes back as cells come.
+    pub fn turning(&self, now_s: f64) -> Option<f64> {
+        let layers = || self.layers.iter().filter(|layer| !layer.gone(now_s));
+        if !layers().any(|layer| layer.turns(now_s)) {
+            return None;
+        }
+        let [cells, others] = layers()
+            .map(|layer| layer.cell_or_other(now_s))
+            .fold([0.0f64; 2], |sum, own| [sum[0].max(own[0]), sum[1].max(own[1])]);
+        Some(1.0 - cells * (1.0 - others))
+    }
+
     /// Where the weather goes: its layers, lowest first, when every transition is over.
     pub fn targets(&self) -> Vec<LayerSpec> {
         self.layers.iter().filter(|layer| !layer.leaving()).map(Layer::target).collect()

@@ -29,6 +29,8 @@ pub struct Scene {
     /// A storm cell so far ahead, km.
     pub cell_km: Option<f64>,
     pub own_lights: bool,
+    /// The sun stands some degrees high.
+    pub low_sun: bool,
 }
 
 /// Under broken clouds by day, looking up.
@@ -47,6 +49,7 @@ pub const BELOW: Scene = Scene {
     night: false,
     cell_km: None,
     own_lights: false,
+    low_sun: false,
 };
 
 /// Over the Alps, looking down at them, clouds among the crests.
@@ -55,6 +58,9 @@ pub const MOUNTAINS: Scene =
 
 /// Over Paris by night.
 pub const CITY: Scene = Scene { night: true, latitude_deg: 48.83, longitude_deg: 2.30, ..BELOW };
+
+/// The same so low that lamps of the own ship reach the ground.
+pub const LOW_OVER_A_CITY: Scene = Scene { altitude_m: 150.0, pitch_deg: -12.0, coverage: 0.0, ..CITY };
 
 impl Scene {
     /// What one frame of it needs.
@@ -83,7 +89,8 @@ impl Scene {
         }));
         // 2026-06-21T09:00:00Z: the sun stands about 46 degrees high in the south-east.
         // A flash or lamps are to be seen: fourteen hours later it is night.
-        let utc_s = 1_782_032_400.0 + if self.strike || self.night { 14.0 * 3600.0 } else { 0.0 };
+        let later_h = if self.strike || self.night { 14.0 } else { 0.0 } - if self.low_sun { 4.7 } else { 0.0 };
+        let utc_s = 1_782_032_400.0 + later_h * 3600.0;
         apply(Command::Time(TimeEdit { utc_s: Some(utc_s), rate: Some(1.0) }));
         let layer = LayerSpec { coverage: self.coverage, ..CUMULUS };
         apply(Command::Weather(WeatherEdit { layers: Some(vec![layer]), ..Default::default() }));

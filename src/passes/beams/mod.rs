@@ -6,7 +6,7 @@
 //! other rays are taken as alike: so wisps that pass are seen in the beam, in both executors from the same numbers. What is
 //! scattered forwards goes on: only `1 - g^2` of the extinction takes light away (delta-M).
 //!
-//! What is left out: light scattered more than once, and the light of the lamps on the ground.
+//! What is left out: light scattered more than once. On the ground the lamps are a part of [`super::ground`].
 
 pub mod twin;
 

@@ -33,7 +33,7 @@ pub fn luminance(beams: &Beams, direction: Vec3, end_m: f32) -> f32 {
 
 /// Intensity in a direction, cd: a Gaussian of the angle from the axis (by the chord, which at ten degrees is an eighth of a
 /// per cent shorter).
-fn shines(lamp: &Lamp, towards: Vec3) -> f32 {
+pub fn shines(lamp: &Lamp, towards: Vec3) -> f32 {
     lamp.intensity_cd * (-(towards - Vec3::from(lamp.axis)).length_squared() * lamp.narrowness).exp()
 }
 

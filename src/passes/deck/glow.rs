@@ -1,14 +1,15 @@
 //! City glow: light of cities on the underside of clouds (deck paper eq. 20), by place and height, made at night only.
 //!
-//! *What it is.* Illuminance from below by the cities around, in ground-fixed coordinates that neither tile nor drift; what of it a
+//! *What it is.* Illuminance from below by the cities around, each at the height of its ground, in ground-fixed coordinates that neither tile nor drift; what of it a
 //! cloud sends on follows from its light from below, so thicker cloud glows more, and its lower parts most. Where eq. 20
 //! reads the area from a texture and falls linearly with the height, these are the cities and the light inside the volume.
 //! *How we compute it.* Each city is a disc that shines as a matt one does; cities add up.
-//! *How we store it.* 256 x 256 texels of 2 km around the eye, f16, for four heights.
+//! *How we store it.* 256 x 256 texels of 2 km around the eye, f16, for four heights over the sea.
 //! *How we read it back.* Bilinear; between the heights by their logarithm, so that the upper parts of a tower receive less.
 
 use crate::geo::charts::{coordinate_of, place_of};
-use crate::geo::cities::near;
+use crate::geo::cities::{City, near};
+use crate::geo::terrain::Terrain;
 use crate::passes::ground::lights::CORE_LUMINANCE;
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
@@ -23,6 +24,8 @@ pub const SPACING_M: f64 = 2_000.0;
 const STEP: i32 = 16;
 /// Heights that are tabulated.
 const HEIGHTS_M: [f64; 4] = [250.0, 1_000.0, 3_000.0, 9_000.0];
+/// Heights that lie lower over a city's ground, or under it, have its light there.
+const LEAST_HEIGHT_M: f64 = 100.0;
 /// A city's light is looked for up to this distance: a million people's is a microlux there.
 const REACH_M: f64 = 60_000.0;
 /// Way over which haze near the ground takes a city's light to 1/e.
@@ -47,8 +50,10 @@ pub struct CityGlow {
 }
 
 /// What a table is made from; equal ones give the same bytes.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct GlowWindow {
+    /// What the cities stand on.
+    pub terrain: Terrain,
     /// Which chart.
     pub chart: usize,
     /// First texel, east and north, in steps of 16.
@@ -57,10 +62,10 @@ pub struct GlowWindow {
 
 impl GlowWindow {
     /// The window around a place of a chart.
-    pub fn around(chart: usize, eye_m: DVec2) -> Self {
+    pub fn around(terrain: Terrain, chart: usize, eye_m: DVec2) -> Self {
         let first = [eye_m.x, eye_m.y]
             .map(|along| (along / (SPACING_M * f64::from(STEP))).floor() as i32 * STEP - (WIDTH as i32 - STEP) / 2);
-        Self { chart, first }
+        Self { terrain, chart, first }
     }
 
     /// Where a place of the chart lies in the table, as shares of its width (texel centres at halves).
@@ -85,15 +90,15 @@ pub fn build(window: &GlowWindow) -> Vec<Texel> {
                 DVec2::new(f64::from(window.first[0]) + corner[0] + x, f64::from(window.first[1]) + corner[1] + y)
                     * SPACING_M
             };
-            let cities = lit_around(window.chart, place_m(7.5, 7.5), REACH_M + SPACING_M * TILE as f64);
+            let cities = lit_around(window, place_m(7.5, 7.5), REACH_M + SPACING_M * TILE as f64);
             let texel = |i: usize| {
                 let here = place_m((i % TILE) as f64, (i / TILE) as f64);
                 let mut sums = [0.0; 4];
-                for (there, radius_m) in &cities {
-                    let apart = here.distance_squared(*there);
+                for Lit { place_m, radius_m, ground_m } in &cities {
+                    let apart = here.distance_squared(*place_m);
                     if apart < REACH_M * REACH_M {
                         for (sum, height_m) in sums.iter_mut().zip(HEIGHTS_M) {
-                            *sum += disc_lux(apart, *radius_m, height_m);
+                            *sum += disc_lux(apart, *radius_m, (height_m - ground_m).max(LEAST_HEIGHT_M));
                         }
                     }
                 }
@@ -110,13 +115,25 @@ pub fn build(window: &GlowWindow) -> Vec<Texel> {
         .collect()
 }
 
-/// Cities about a place of a chart: where in the chart, and how wide.
-fn lit_around(chart: usize, place_m: DVec2, reach_m: f64) -> Vec<(DVec2, f64)> {
-    let (latitude_rad, longitude_rad) = place_of(chart, place_m);
+/// A city: where in the chart, how wide, and on what height.
+struct Lit {
+    place_m: DVec2,
+    radius_m: f64,
+    ground_m: f64,
+}
+
+/// Cities about a place of the window's chart.
+fn lit_around(window: &GlowWindow, place_m: DVec2, reach_m: f64) -> Vec<Lit> {
+    let (latitude_rad, longitude_rad) = place_of(window.chart, place_m);
     let (sin_lat, cos_lat) = latitude_rad.sin_cos();
     let (sin_lon, cos_lon) = longitude_rad.sin_cos();
     let cities = near(DVec3::new(cos_lat * cos_lon, cos_lat * sin_lon, sin_lat), reach_m);
-    cities.iter().map(|city| (coordinate_of(chart, city.zenith), city.radius_m())).collect()
+    let lit = |city: &City| Lit {
+        place_m: coordinate_of(window.chart, city.zenith),
+        radius_m: city.radius_m(),
+        ground_m: city.ground_m(&window.terrain),
+    };
+    cities.iter().map(lit).collect()
 }
 
 /// Illuminance of a level plane at a height by a matt disc on the ground, whose middle is the square root of `apart` away (the
@@ -217,7 +234,7 @@ mod tests {
             .expect("there are charts");
         let place_m = coordinate_of(chart, paris);
         let at = |eye_m: DVec2, there_m: DVec2| {
-            let window = GlowWindow::around(chart, eye_m);
+            let window = GlowWindow::around(Terrain::ELLIPSOID, chart, eye_m);
             sample(&build(&window), window.share(there_m).as_vec2())
         };
         let over = at(place_m, place_m);

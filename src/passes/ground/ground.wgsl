@@ -1,4 +1,12 @@
-// The ground where a ray meets it, seen through the air. Stands behind relief/field.wgsl. Twin: twin.rs.
+// The ground where a ray meets it, seen through the air. Stands behind relief/field.wgsl and hills.wgsl, before lamps.wgsl. Twin: twin.rs.
+
+// A lamp of the own ship.
+struct Lamp {
+    position_m: vec3<f32>,
+    intensity_cd: f32,
+    axis: vec3<f32>,
+    narrowness: f32,
+}
 
 struct Ground {
     light_lux: vec3<f32>,
@@ -9,8 +17,17 @@ struct Ground {
     charts: u32,
     snow_m: f32,
     shore_m: f32,
-    pad0: f32,
-    pad1: f32,
+    glow_lux: f32,
+    glow_level: f32,
+    above_light_lux: vec3<f32>,
+    sheet_base_m: f32,
+    above_sky_lux: vec3<f32>,
+    sheet_top_m: f32,
+    lamps: u32,
+    hills: u32,
+    pad0: u32,
+    pad1: u32,
+    lamp: array<Lamp, 4>,
     chart: array<Chart, 3>,
     flash: array<Flash, 64>,
 }
@@ -27,17 +44,14 @@ override FLASHES: bool = true;
 override CITIES: bool = true;
 override SHADOWS: bool = true;
 override LAND: bool = true;
+override OWN_LAMPS: bool = true;
+// Colour of the light of cities.
+const CITY_COLOUR: vec3<f32> = vec3<f32>(1.0, 0.72, 0.42);
 
 // Mean albedo of fields far away.
 const FIELDS: vec3<f32> = vec3<f32>(0.125, 0.132, 0.062);
 const BLOCK_M: f32 = 2048.0;
 const BLOCKS: i32 = 32;
-// Cells of the finest lamps, how many of a cell's sides a pixel may span, a lamp's spread in its cell, and a period of the cells.
-const LAMP_M: f32 = 64.0;
-const LAMP_CELLS: f32 = 0.45;
-const LAMP_SPREAD: f32 = 0.11;
-const STREETS_M: f32 = 80.0;
-const LAMP_PERIOD: i32 = 1024;
 // Mean square slope of the waves in a wind of 5 m/s.
 const WAVE_SLOPES: f32 = 0.029;
 
@@ -140,6 +154,13 @@ struct Country {
     sea: f32,
 }
 
+// What clouds send down of the light of the cities around, as a share of a core's.
+fn cloud_glow(place_m: vec2<f32>, own: f32) -> f32 {
+    let level = max(ground.glow_level, own);
+    let wide = min(level + 1.6, f32(LEVELS - 1u));
+    return 0.6 * city_light(place_m, level) + 0.4 * city_light(place_m, wide);
+}
+
 // What the ground is made of: `shore` above 0 on land, `steep` the tangent of its slope.
 fn country(places: Places, z: vec2<f32>, shore: f32, height: f32, steep: f32, footprint: f32) -> Country {
     let soft = max(8.0, 0.3 * footprint);
@@ -192,61 +213,22 @@ fn city_light_of_level(level: u32, place_m: vec2<f32>) -> f32 {
     return mix(south, north, f.y);
 }
 
-// Lamps at a place of the first chart, 1 in the mean: one in each cell, the cells as large as a pixel can tell apart.
-fn lamps(place_m: vec2<f32>, footprint: f32, places: Places) -> vec3<f32> {
-    let size = max(footprint * (1.0 / LAMP_CELLS), LAMP_M);
-    // A device's logarithm of 1 may lie below 0.
-    let octave = max(log2(size * (1.0 / LAMP_M)), 0.0);
-    let low = floor(octave);
-    let light = mix(lamps_of(place_m, u32(low), footprint), lamps_of(place_m, u32(low) + 1u, footprint), octave - low);
-    // Streets and squares gather lamps, parks have none.
-    let district = 1.0 + 2.2 * detail(places, 20.0, 0.71, detail_fade(40.0, footprint));
-    return light * clamp(district, 0.1, 2.2);
+// Illuminance by the own ship's lamps.
+fn own_lamps(p: vec3<f32>, normal: vec3<f32>, height: f32, t: f32) -> f32 {
+    var lux = 0.0;
+    for (var i = 0u; i < ground.lamps; i++) {
+        let lamp = ground.lamp[i];
+        let way = p - vec3<f32>(0.0, 0.0, camera.eye_m) - lamp.position_m;
+        let distance = max(length(way), 1.0);
+        let towards = way / distance;
+        let away = towards - lamp.axis;
+        let shines = lamp.intensity_cd * exp(-dot(away, away) * lamp.narrowness);
+        lux += shines * max(-dot(normal, towards), 0.0) / (distance * distance);
+    }
+    return lux * air_transmittance(height, t);
 }
 
-// The error function (Winitzki 2008, within 2e-4).
-fn error_function(x: f32) -> f32 {
-    let squared = x * x;
-    return sign(x) * sqrt(1.0 - exp(-squared * (1.2732395 + 0.147 * squared) / (1.0 + 0.147 * squared)));
-}
-
-// Streets bend: waves of the charts' period, made of parabolas, which every device computes alike. (A map that is sampled is not: its
-// weights of 8 bits moved lamps by half a metre.)
-fn bent(place_m: vec2<f32>) -> vec2<f32> {
-    let p = place_m * (1.0 / (LAMP_M * f32(LAMP_PERIOD)));
-    let phase = vec4<f32>(37.0 * p.x + 22.0 * p.y, 41.0 * p.y - 25.0 * p.x, 83.0 * p.x - 61.0 * p.y, 59.0 * p.x + 97.0 * p.y);
-    let f = phase - floor(phase + 0.5);
-    let wave = f * (8.0 - 16.0 * abs(f));
-    return STREETS_M * (wave.xy + 0.5 * wave.zw);
-}
-
-fn lamps_of(place_m: vec2<f32>, octave: u32, footprint: f32) -> vec3<f32> {
-    let size = LAMP_M * f32(1u << min(octave, 24u));
-    let at = place_m / size;
-    let cell = floor(at);
-    // As many cells as the charts' period holds, so that it does not show.
-    let period = max(LAMP_PERIOD >> min(octave, 10u), 1);
-    let lot = vec2<u32>(vec2<i32>(cell) & vec2<i32>(period - 1)) + vec2<u32>(octave * 4096u, 77u);
-    let jitter = hash2(lot);
-    let kind = hash2(lot + 8191u);
-    let middle = 0.55 * (jitter - 0.5);
-    let away = at - cell - 0.5 - middle;
-    // Gaussian spots, as wide as the pixel blurs them (a square has the variance f^2 / 12 each way), whose mean over the cell is 1;
-    // brighter and fainter ones, warmer and whiter ones.
-    let blur = footprint / size;
-    let spread = sqrt(LAMP_SPREAD * LAMP_SPREAD + blur * blur * (1.0 / 6.0));
-    let upper = (vec2<f32>(0.5) - middle) / spread;
-    let lower = (vec2<f32>(0.5) + middle) / spread;
-    let inside = 0.25 * (error_function(upper.x) + error_function(lower.x)) * (error_function(upper.y) + error_function(lower.y));
-    let spot = exp(-dot(away, away) / (spread * spread)) / (3.14159265 * spread * spread * inside);
-    let bright = 2.5 * kind.x * kind.x + 0.167;
-    // The larger the cell the more lamps it stands for, the less they differ.
-    let rough = 0.85 / (1.0 + 0.35 * f32(octave));
-    let colour = mix(vec3<f32>(1.0, 0.66, 0.34), vec3<f32>(0.95, 0.86, 0.72), kind.y);
-    return colour * mix(1.0, spot * bright, rough);
-}
-
-fn ground_luminance(direction: vec3<f32>, t: f32, passed: f32) -> vec3<f32> {
+fn ground_luminance(direction: vec3<f32>, t: f32, through_clouds: f32) -> vec3<f32> {
     let p = direction * t + vec3<f32>(0.0, 0.0, camera.eye_m);
     var height = 0.0;
     if TERRAIN {
@@ -260,6 +242,8 @@ fn ground_luminance(direction: vec3<f32>, t: f32, passed: f32) -> vec3<f32> {
     var normal = up;
     var shore = ground.shore_m;
     var steep = 0.0;
+    var passed = through_clouds;
+    var glow = 0.0;
     if LAND {
         let place = relief_place(p, radius);
         let level = relief_level(place, t);
@@ -268,14 +252,24 @@ fn ground_luminance(direction: vec3<f32>, t: f32, passed: f32) -> vec3<f32> {
             let slope = relief_slope(place, level);
             steep = length(slope);
             normal = normalize(up - vec3<f32>(slope, 0.0));
+            if HILLS {
+                passed *= through_hills(ground.light_direction, up, p, height, t);
+            }
+        }
+        if CITIES && ground.glow_lux > 0.0 {
+            glow = ground.glow_lux * cloud_glow(place, level);
         }
     }
+    // Ground that stands over a sheet of cloud is lit as above it.
+    let over = smoothstep(ground.sheet_base_m, ground.sheet_top_m, height);
+    let light_lux = mix(ground.light_lux, ground.above_light_lux, over);
+    let sky_lux = mix(ground.sky_lux, ground.above_sky_lux, over) + CITY_COLOUR * (glow * (1.0 - over));
     let made = country(places, z, shore, height, steep, footprint);
     let direct = max(dot(normal, ground.light_direction), 0.0) * passed;
     // A slope sees less of the sky, and for it lit ground.
     let open = 0.5 + 0.5 * dot(normal, up);
-    var lit = ground.light_lux * direct + ground.sky_lux * open
-        + (ground.light_lux * max(dot(up, ground.light_direction), 0.0) + ground.sky_lux) * (0.13 * (1.0 - open));
+    var lit = light_lux * direct + sky_lux * open
+        + (light_lux * max(dot(up, ground.light_direction), 0.0) + sky_lux) * (0.13 * (1.0 - open));
     if FLASHES {
         for (var i = 0u; i < ground.flashes; i++) {
             let towards = ground.flash[i].position_m - p;
@@ -286,6 +280,9 @@ fn ground_luminance(direction: vec3<f32>, t: f32, passed: f32) -> vec3<f32> {
     }
     if FLASHES {
         lit += FLASH_COLOUR * lit_on_ground(p, normal);
+    }
+    if OWN_LAMPS {
+        lit += vec3<f32>(own_lamps(p, normal, height, t));
     }
     var seen = lit * made.albedo * 0.31830987;
     // The sea mirrors the sky (Schlick), and the light by waves whose slopes are spread evenly (Cox and Munk 1954).
@@ -300,13 +297,19 @@ fn ground_luminance(direction: vec3<f32>, t: f32, passed: f32) -> vec3<f32> {
     let mirrors = 0.02 + 0.98 * pow(1.0 - grazing, 5.0);
     let risen = smoothstep(-0.01, 0.01, dot(up, ground.light_direction));
     let glitter = risen * mirrors * spread * passed / (4.0 * max(facing, 0.12));
-    seen += (ground.sky_lux * (0.31830987 * fresnel) + ground.light_lux * glitter) * made.sea;
+    seen += (sky_lux * (0.31830987 * fresnel) + light_lux * glitter) * made.sea;
     if CITIES {
         let place = relief_place(p, radius);
         let mean = city_light(place, relief_level(place, t)) * (1.0 - made.sea);
         if mean > 1e-4 {
-            let at = ground.chart[0].tile_origin_m + displacement(ground.chart[0].a, ground.chart[0].c, z);
-            seen += lamps(at + bent(at), footprint, places) * (ground.city_luminance * mean);
+            let moved = displacement(ground.chart[0].a, ground.chart[0].c, z);
+            // Over as much ground as the pixel's footprint is long.
+            let level_part = direction - up * dot(direction, up);
+            let ahead = level_part * (footprint / max(length(level_part), 1e-6));
+            let along = displacement(ground.chart[0].a, ground.chart[0].c, stereographic(p + ahead, radius)) - moved;
+            let across = footprint * clamp(-dot(direction, up), 0.02, 1.0);
+            let found = lamps(ground.chart[0].tile_origin_m + moved, along, across, footprint, places);
+            seen += found * (ground.city_luminance * mean);
         }
     }
     return seen;

@@ -2,11 +2,15 @@
 //!
 //! Where there is land and how it rises comes from the relief (see [`super::relief`]); what grows on it is made up: fields in
 //! blocks, woods, meadows, rock and snow by height and slope, from near to far. The source's light is what reaches the ground between the clouds, times what the
-//! shadows leave of it (see [`super::shadow`]); where these are left out, what the layers let through on the whole.
+//! shadows of clouds (see [`super::shadow`]) and of hills (see [`hills`]) leave of it; where the former are left out, what the layers let through on the whole.
 
+pub mod glow;
+pub mod hills;
+pub mod lamps;
 pub mod lights;
 pub mod twin;
 
+use crate::passes::beams::{LAMPS, Lamp};
 use crate::passes::common::{CHARTS, Chart};
 use crate::passes::deck::{FLASHES, Flash};
 use bytemuck::{Pod, Zeroable};
@@ -34,10 +38,28 @@ pub struct Ground {
     pub snow_m: f32,
     /// Distance from the shore where no grids tell it: far above 0 on land, far below at sea.
     pub shore_m: f32,
+    /// What a city's clouds send down of its light: lux where the luminance of lamps around is that of a core.
+    pub glow_lux: f32,
+    /// Level of the grids that is as smooth as that light is on the ground.
+    pub glow_level: f32,
+    /// [`Ground::light_lux`] above the layers that ground may reach through.
+    pub above_light_lux: [f32; 3],
+    /// Base of the lowest of them; ground below has what comes through them.
+    pub sheet_base_m: f32,
+    /// [`Ground::sky_lux`] above them.
+    pub above_sky_lux: [f32; 3],
+    /// Top of the highest of them; far above all ground where there are none.
+    pub sheet_top_m: f32,
+    /// Lamps of the own ship that light the ground.
+    pub lamps: u32,
+    /// 1: the source stands so low that hills shade each other.
+    pub hills: u32,
     /// Pads to 16 bytes.
-    pub pad0: f32,
+    pub pad0: u32,
     /// Pads to 16 bytes.
-    pub pad1: f32,
+    pub pad1: u32,
+    /// The lamps.
+    pub lamp: [Lamp; LAMPS],
     /// Charts of the ground's textures: `map_origin` at the map's own scale, `tile_origin_m` in periods of [`FIELDS_TILE_M`].
     pub chart: [Chart; CHARTS],
     /// The flashes.

@@ -1,12 +1,16 @@
 //! Twin of `ground.wgsl`: luminance of the ground where a ray meets it.
 
-use super::Ground;
+use super::lamps::lamps;
+use super::{Ground, glow, hills};
 use crate::clouds::modulation;
+use crate::passes::beams::Lamp;
+use crate::passes::beams::twin::shines;
 use crate::passes::common::{CHARTS, Camera, chart_weights, smoothstep, stereographic};
 use crate::passes::deck::{FLASH_CAP_M, FLASH_COLOUR};
 use crate::passes::relief::field::{Grids, level, place};
 use crate::passes::relight::{Lits, twin::on_ground};
 use crate::passes::sampling::map_repeat;
+use crate::passes::sky::lamps::CITY_COLOUR;
 use glam::{IVec2, UVec2, Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, PI};
 
@@ -17,14 +21,6 @@ const BLOCK_M: f32 = 2_048.0;
 const BLOCKS: i32 = 32;
 /// Mean square slope of the waves in a wind of 5 m/s (Cox and Munk 1954: 0.003 + 0.00512 U).
 const WAVE_SLOPES: f32 = 0.029;
-
-/// Cells of the finest lamps, how many of a cell's sides a pixel may span, a lamp's spread in its cell, and a period of the cells.
-const LAMP_M: f32 = 64.0;
-const LAMP_CELLS: f32 = 0.45;
-const LAMP_SPREAD: f32 = 0.11;
-/// How far streets are bent, m.
-const STREETS_M: f32 = 80.0;
-const LAMP_PERIOD: i32 = 1_024;
 
 /// Range at which a ray meets the sphere that stands for the Earth; infinite if it does not.
 pub fn range(camera: &Camera, direction: Vec3) -> f32 {
@@ -46,7 +42,7 @@ pub struct Place<'a> {
 }
 
 /// The map's value about a point by each chart.
-struct Patterns<'a> {
+pub(super) struct Patterns<'a> {
     map: &'a [u8],
     places: [Vec2; CHARTS],
     weights: [f32; CHARTS],
@@ -67,7 +63,7 @@ impl Patterns<'_> {
     }
 
     /// The same less its mean, faded out where its texels are finer than a pixel's footprint.
-    fn detail(&self, scale: f32, offset: f32, texel: f32) -> f32 {
+    pub(super) fn detail(&self, scale: f32, offset: f32, texel: f32) -> f32 {
         let fade = 1.0 - smoothstep(0.5 * texel, 2.0 * texel, self.footprint);
         if fade > 0.0 { fade * (self.at(scale, offset) - 0.5) } else { 0.0 }
     }
@@ -91,7 +87,8 @@ impl Place<'_> {
             Vec2::from(chart.map_origin) + modulation::coordinates(chart.displacement(z))
         });
         let patterns = Patterns { map: self.map, places, weights, charts: ground.charts as usize, footprint };
-        let (mut normal, mut shore, mut steep) = (up, ground.shore_m, 0.0);
+        let (mut normal, mut shore, mut steep, mut passed, mut glow) = (up, ground.shore_m, 0.0, passed, 0.0);
+        let light = Vec3::from(ground.light_direction);
         if let Some(grids) = &self.grids {
             let place = place(grids.relief, p, camera.earth_m, radius);
             let level = level(grids.relief, place, t_m);
@@ -100,11 +97,20 @@ impl Place<'_> {
                 let slope = grids.slope(place, level);
                 steep = slope.length();
                 normal = (up - slope.extend(0.0)).normalize();
+                if ground.hills > 0 {
+                    passed *= hills::through(grids, camera, light, up, p, height, t_m);
+                }
+            }
+            if ground.glow_lux > 0.0 {
+                glow = ground.glow_lux * glow::share(grids, place, level, ground.glow_level);
             }
         }
         let (albedo, sea) = self.country(&patterns, z, [shore, height, steep]);
-        let light = Vec3::from(ground.light_direction);
-        let (light_lux, sky_lux) = (Vec3::from(ground.light_lux), Vec3::from(ground.sky_lux));
+        // Ground that stands over a sheet of cloud is lit as above it.
+        let over = smoothstep(ground.sheet_base_m, ground.sheet_top_m, height);
+        let between = |below: [f32; 3], above: [f32; 3]| Vec3::from(below).lerp(Vec3::from(above), over);
+        let light_lux = between(ground.light_lux, ground.above_light_lux);
+        let sky_lux = between(ground.sky_lux, ground.above_sky_lux) + CITY_COLOUR * (glow * (1.0 - over));
         // A slope sees less of the sky, and for it lit ground.
         let open = 0.5 + 0.5 * normal.dot(up);
         let mut lit = light_lux * (normal.dot(light).max(0.0) * passed)
@@ -118,6 +124,9 @@ impl Place<'_> {
         }
         if let Some(lits) = self.lits {
             lit += FLASH_COLOUR * on_ground(lits, p, normal);
+        }
+        if ground.lamps > 0 {
+            lit += Vec3::splat(self.own_lamps(camera, p, normal, height, t_m));
         }
         let mut seen = lit * albedo * FRAC_1_PI;
         // The sea mirrors the sky (Schlick), and the light by waves whose slopes are spread evenly (Cox and Munk 1954).
@@ -136,11 +145,29 @@ impl Place<'_> {
             let mean = grids.light(place, level(grids.relief, place, t_m)) * (1.0 - sea);
             if mean > 1e-4 {
                 let chart = &ground.chart[0];
-                let at = Vec2::from(chart.tile_origin_m) + chart.displacement(z);
-                seen += lamps(at + bent(at), &patterns) * (ground.city_luminance * mean);
+                let moved = chart.displacement(z);
+                // Over as much ground as the pixel's footprint is long.
+                let ahead = (direction - up * direction.dot(up)).normalize_or_zero() * footprint;
+                let along = chart.displacement(stereographic(p + ahead, camera.earth_m, radius)) - moved;
+                let across = footprint * facing.clamp(0.02, 1.0);
+                let place_m = Vec2::from(chart.tile_origin_m) + moved;
+                seen += lamps(place_m, along, across, &patterns) * (ground.city_luminance * mean);
             }
         }
         seen
+    }
+
+    /// Illuminance by the own ship's lamps, lux: they shine through as much air as lies before the eye.
+    fn own_lamps(&self, camera: &Camera, p: Vec3, normal: Vec3, height: f32, t_m: f32) -> f32 {
+        let from_eye = p - Vec3::new(0.0, 0.0, camera.eye_m);
+        let of = |lamp: &Lamp| {
+            let way = from_eye - Vec3::from(lamp.position_m);
+            let distance = way.length().max(1.0);
+            let towards = way / distance;
+            shines(lamp, towards) * (-normal.dot(towards)).max(0.0) / (distance * distance)
+        };
+        let lux: f32 = self.ground.lamp[..self.ground.lamps as usize].iter().map(of).sum();
+        lux * camera.air_transmittance(height, t_m)
     }
 
     /// Albedo, and how much of it is sea: `shore` above 0 on land, `steep` the tangent of the slope.
@@ -179,7 +206,7 @@ impl Place<'_> {
 }
 
 /// A number in [0, 1) each, of two counters (Jarzynski and Olano 2020, pcg2d).
-fn hash2(counters: UVec2) -> Vec2 {
+pub(super) fn hash2(counters: UVec2) -> Vec2 {
     let step = |v: u32| v.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
     let (mut x, mut y) = (step(counters.x), step(counters.y));
     for _ in 0..2 {
@@ -210,105 +237,4 @@ fn field_albedo(place_m: Vec2) -> Vec3 {
         _ => Vec3::new(0.070, 0.112, 0.038),
     };
     found * (0.85 + 0.3 * crop.y)
-}
-
-/// Lamps at a place of the first chart, 1 in the mean: one in each cell, the cells as large as a pixel can tell apart.
-fn lamps(place_m: Vec2, patterns: &Patterns) -> Vec3 {
-    let size = (patterns.footprint * (1.0 / LAMP_CELLS)).max(LAMP_M);
-    let octave = (size * (1.0 / LAMP_M)).log2().max(0.0);
-    let low = octave.floor();
-    let of = |octave: u32| lamps_of(place_m, octave, patterns.footprint);
-    let light = of(low as u32).lerp(of(low as u32 + 1), octave - low);
-    // Streets and squares gather lamps, parks have none.
-    let district = 1.0 + 2.2 * patterns.detail(20.0, 0.71, 40.0);
-    light * district.clamp(0.1, 2.2)
-}
-
-/// The error function (Winitzki 2008, within 2e-4).
-fn error_function(x: f32) -> f32 {
-    let squared = x * x;
-    let inner = -squared * (1.273_239_5 + 0.147 * squared) / (1.0 + 0.147 * squared);
-    x.signum() * (1.0 - inner.exp()).max(0.0).sqrt()
-}
-
-/// Streets bend: waves of the charts' period, made of parabolas, which every device computes alike. (A map that is sampled is not: its
-/// weights of 8 bits moved lamps by half a metre.)
-fn bent(place_m: Vec2) -> Vec2 {
-    let p = place_m * (1.0 / (LAMP_M * LAMP_PERIOD as f32));
-    let wave = |east: f32, north: f32| {
-        let phase = east * p.x + north * p.y;
-        let f = phase - (phase + 0.5).floor();
-        f * (8.0 - 16.0 * f.abs())
-    };
-    let broad = Vec2::new(wave(37.0, 22.0), wave(-25.0, 41.0));
-    (broad + 0.5 * Vec2::new(wave(83.0, -61.0), wave(59.0, 97.0))) * STREETS_M
-}
-
-/// Lamps of one size of cells, which is 64 m times two to the power of `octave`.
-fn lamps_of(place_m: Vec2, octave: u32, footprint_m: f32) -> Vec3 {
-    let size = LAMP_M * (1u32 << octave.min(24)) as f32;
-    let at = place_m / size;
-    let cell = at.floor();
-    // As many cells as the charts' period holds, so that it does not show.
-    let period = (LAMP_PERIOD >> octave.min(10)).max(1);
-    let lot = (cell.as_ivec2() & IVec2::splat(period - 1)).as_uvec2() + UVec2::new(octave * 4_096, 77);
-    let jitter = hash2(lot);
-    let kind = hash2(lot + 8_191);
-    let middle = (jitter - Vec2::splat(0.5)) * 0.55;
-    let away = at - cell - Vec2::splat(0.5) - middle;
-    // Gaussian spots, as wide as the pixel blurs them (a square has the variance f^2 / 12 each way), whose mean over the cell is 1;
-    // brighter and fainter ones, warmer and whiter ones.
-    let blur = footprint_m / size;
-    let spread = (LAMP_SPREAD * LAMP_SPREAD + blur * blur * (1.0 / 6.0)).sqrt();
-    let within =
-        |middle: f32| 0.5 * (error_function((0.5 - middle) / spread) + error_function((0.5 + middle) / spread));
-    let inside = within(middle.x) * within(middle.y);
-    let spot = (-away.length_squared() / (spread * spread)).exp() / (PI * spread * spread * inside);
-    let bright = 2.5 * kind.x * kind.x + 0.167;
-    // The larger the cell the more lamps it stands for, the less they differ.
-    let rough = 0.85 / (1.0 + 0.35 * octave as f32);
-    let colour = Vec3::new(1.0, 0.66, 0.34).lerp(Vec3::new(0.95, 0.86, 0.72), kind.y);
-    colour * (1.0 + (spot * bright - 1.0) * rough)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lamps_keep_their_light_however_a_pixel_lies() {
-        // Pixels from 1 to 28 m (the widest of the finest cells) in even grids over the same 32 x 32 cells.
-        let whole_m = 32.0 * LAMP_M;
-        let mean = |footprint_m: f32, shift_m: f32| {
-            let count = (whole_m / footprint_m).round() as usize;
-            let step_m = whole_m / count as f32;
-            let at = |i: usize| (i as f32 + 0.5) * step_m + shift_m;
-            let all = (0..count * count).map(|i| lamps_of(Vec2::new(at(i % count), at(i / count)), 0, step_m).y);
-            all.map(f64::from).sum::<f64>() / (count * count) as f64
-        };
-        let fine = mean(4.0, 0.0);
-        for footprint_m in [8.0, 14.0, 20.0, 28.0] {
-            for shift_m in [0.0, 3.0, 9.0] {
-                // A Gaussian stands for a square pixel, cut at its cell's sides: 3 %.
-                let found = mean(footprint_m, shift_m);
-                assert!((found / fine - 1.0).abs() < 0.03, "{footprint_m} {shift_m}: {found}, {fine}");
-            }
-        }
-        // As it was, spots of 7 m looked at every 28 m: the same light only by chance.
-        let point = |shift_m: f32| {
-            let at = |i: usize| (i as f32 + 0.5) * 28.0 + shift_m;
-            (0..73 * 73).map(|i| f64::from(lamps_of(Vec2::new(at(i % 73), at(i / 73)), 0, 0.0).y)).sum::<f64>()
-        };
-        assert!((point(0.0) / point(9.0) - 1.0).abs() > 0.005, "the measure tells the two apart");
-    }
-
-    #[test]
-    fn the_error_function_is_that_of_the_tables() {
-        // Abramowitz and Stegun 1964, table 7.1.
-        for (x, expected) in
-            [(0.0, 0.0), (0.25, 0.276_326_4), (0.5, 0.520_499_9), (1.0, 0.842_700_8), (2.0, 0.995_322_3)]
-        {
-            assert!((error_function(x) - expected).abs() < 2e-4 && (error_function(-x) + expected).abs() < 2e-4, "{x}");
-        }
-    }
 }

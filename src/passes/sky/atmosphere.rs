@@ -1,7 +1,11 @@
 //! The air: what it is made of, and extinction of light on its way through it.
 //!
-//! Coefficients at sea level after Hillaire 2020, table 1 (molecules and ozone); scale heights 8 and
-//! 1.2 km. Three wavelengths stand for red, green and blue; illuminance outside the air is 128 klx.
+//! Scale heights are 8 km (molecules) and 1.2 km (haze), ozone is a tent of 300 Dobson units about 25 km (Bruneton 2017);
+//! illuminance outside the air is 128 klx. Three colours stand for the spectrum, and their coefficients are not those of three
+//! wavelengths: they are fitted so that light scattered once has the colours (linear sRGB, the sun outside the air as white) that
+//! the spectrum gives, from the zenith to 8 degrees over the horizon and from a sun at 60 degrees to one at -5. With 680, 550 and 440 nm, as
+//! usual (Hillaire 2020, table 1), red stands far outside ozone's Chappuis band, which is strongest at 600 nm, and a
+//! twilight's zenith is lilac where it is blue (Hulburt 1953).
 
 use crate::passes::common::{AIR_SCALE_M, HAZE_SCALE_M};
 use glam::Vec3;
@@ -11,9 +15,13 @@ use std::sync::LazyLock;
 pub const SUN_LUX: f32 = 128_000.0;
 /// Illuminance of the full moon outside the atmosphere, lux.
 pub const MOON_LUX: f32 = 0.32;
-/// Molecular scattering at sea level, 1/m.
-pub const RAYLEIGH_PER_M: Vec3 = Vec3::new(5.802e-6, 13.558e-6, 33.1e-6);
-const OZONE_PER_M: Vec3 = Vec3::new(0.650e-6, 1.881e-6, 0.085e-6);
+/// Molecular scattering at sea level, 1/m, by colour (fitted, see above).
+pub const RAYLEIGH_PER_M: Vec3 = Vec3::new(7.29e-6, 14.32e-6, 31.59e-6);
+/// Absorption where ozone is densest, 1/m, by colour (fitted likewise).
+const OZONE_PER_M: Vec3 = Vec3::new(2.41e-6, 1.71e-6, 0.007e-6);
+/// Extinction there by the stratosphere's own haze, 1/m: a depth of 0.006, as between eruptions (Kremser et al. 2016: 0.003 to
+/// 0.01), which a twilight's light crosses forty times as thick. By its profile it is taken as if it were ozone.
+const HIGH_HAZE_PER_M: f32 = 0.4e-6;
 /// Radius of the Earth for the air, m.
 pub const EARTH_M: f32 = 6_371_000.0;
 /// Height at which the air ends.
@@ -45,15 +53,12 @@ impl Air {
     /// Transmittance from a height to space in a direction of cosine `up` against the zenith; 0 behind the Earth.
     pub fn transmittance(&self, height_m: f32, up: f32) -> Vec3 {
         let [rayleigh, haze, ozone] = columns(height_m, up);
-        (-(RAYLEIGH_PER_M * rayleigh + Vec3::splat(self.haze_per_m * haze) + OZONE_PER_M * ozone)).exp()
+        (-(RAYLEIGH_PER_M * rayleigh + Vec3::splat(self.haze_per_m * haze) + absorbed() * ozone)).exp()
     }
 
-    /// The same for light of higher orders: what the haze takes out of it goes on, most of it forwards, so that haze counts
-    /// as a slab that transmits diffusely (Eddington's 1 / (1 + 3/4 (1 - g) tau)).
-    pub fn diffuse_transmittance(&self, height_m: f32, up: f32) -> Vec3 {
-        let [rayleigh, haze, ozone] = columns(height_m, up);
-        let through_haze = 1.0 / (1.0 + 0.75 * (1.0 - HAZE_ASYMMETRY) * self.haze_per_m * haze);
-        (-(RAYLEIGH_PER_M * rayleigh + OZONE_PER_M * ozone)).exp() * through_haze
+    /// Optical depth of the haze from a height to space; huge behind the Earth.
+    pub fn haze_depth(&self, height_m: f32, up: f32) -> f32 {
+        self.haze_per_m * columns(height_m, up)[1]
     }
 }
 
@@ -73,9 +78,9 @@ impl Medium {
         Self { height_m: (radius - EARTH_M).max(0.0), up: p.dot(light) / radius }
     }
 
-    /// Absorption by ozone at a height, 1/m.
+    /// Absorption by ozone, and what the haze of the stratosphere takes out, at a height, 1/m.
     pub fn ozone_per_m(height_m: f32) -> Vec3 {
-        OZONE_PER_M * ozone_density(height_m)
+        absorbed() * ozone_density(height_m)
     }
 }
 
@@ -94,6 +99,10 @@ pub fn path(eye_m: f32, up: f32) -> ([f32; 2], bool) {
         return ([0.0; 2], false);
     }
     ([begin, root - b], false)
+}
+
+fn absorbed() -> Vec3 {
+    OZONE_PER_M + Vec3::splat(HIGH_HAZE_PER_M)
 }
 
 fn ozone_density(height_m: f32) -> f32 {
@@ -166,6 +175,9 @@ fn march_columns(height_m: f32, up: f32) -> [f32; 3] {
     }
     sums
 }
+
+#[cfg(test)]
+mod spectrum;
 
 #[cfg(test)]
 mod tests {

@@ -2,9 +2,9 @@
 //!
 //! Haze scatters so much forwards that about half of it goes on as if nothing had happened: on its way to the point and from
 //! there to the eye light loses the rest alone (delta-M, Wiscombe 1977), while what the first order sends to the eye has the
-//! whole phase function (Nakajima and Tanaka 1988). By Beer's law with all of the haze a sky of 5 km visibility was 40 % too
-//! dark against Monte Carlo of all orders (`stormdeck report sky`); so it is 15 %
-//! too dark some 40 degrees from the sun and too bright next to it, 29 % on the mean.
+//! whole phase function (Nakajima and Tanaka 1988), but its peak fades the more haze has been passed, since each further
+//! scattering spreads it. By Beer's law with all of the haze a sky of 5 km visibility was 40 % too
+//! dark against Monte Carlo of all orders (`stormdeck report sky`), with all of the peak up to twice too bright next to a low sun.
 
 use super::atmosphere::{Air, HAZE_ALBEDO, HAZE_ASYMMETRY, Luminary, Medium, RAYLEIGH_PER_M, path};
 use super::multiple::HigherOrders;
@@ -12,6 +12,11 @@ use super::shade::Shade;
 use crate::passes::common::{AIR_SCALE_M, HAZE_SCALE_M};
 use glam::Vec3;
 
+/// How fast the forward peak of the first order fades with the depth of what goes on forwards: it is spread by each further scattering
+/// (Nakajima and Tanaka 1988 correct it for that; this one number stands for it, from Monte Carlo).
+const PEAK_FADES: f32 = 0.5;
+/// Asymmetry of what is left of the phase function without its peak (delta-M of Henyey and Greenstein).
+const REST: f32 = HAZE_ASYMMETRY / (1.0 + HAZE_ASYMMETRY);
 /// Share of the haze's extinction that goes on forwards: g^2 of what is scattered.
 const FORWARD: f32 = HAZE_ALBEDO * HAZE_ASYMMETRY * HAZE_ASYMMETRY;
 
@@ -58,7 +63,7 @@ impl Air {
         let end = end.min(under.end_m);
         let scaled = Air { haze_per_m: self.haze_per_m * (1.0 - FORWARD) };
         let (mut light, mut reaching, mut passed) = (Vec3::ZERO, Vec3::ONE, Vec3::ONE);
-        let mut before = begin;
+        let (mut before, mut depth) = (begin, 0.0);
         for step in 0..steps {
             let share = (step + 1) as f32 / steps as f32;
             let t = begin + (end - begin) * share * share;
@@ -71,17 +76,21 @@ impl Air {
             let extinction = clear + Vec3::splat((1.0 - FORWARD) * haze);
             let through = (-extinction * ds).exp();
             let (shown, diffuse) = under.shade.map_or((1.0, Vec3::ONE), |shade| shade.at(height));
+            depth += 0.5 * haze * ds;
             let mut source = Vec3::ZERO;
             for l in lights {
                 let up = Medium::along(eye_m, direction, l.direction, mid).up;
                 let lit = scaled.transmittance(height, up) * l.illuminance_lux * shown;
                 let cos = direction.dot(l.direction);
-                let single =
-                    rayleigh * (0.059_683 * (1.0 + cos * cos)) + Vec3::splat(HAZE_ALBEDO * haze * haze_phase(cos));
+                let peak = (-PEAK_FADES * FORWARD * (depth + self.haze_depth(height, up))).exp();
+                let smooth = (1.0 - HAZE_ASYMMETRY * HAZE_ASYMMETRY) * haze_phase(cos, REST);
+                let phase = smooth + (haze_phase(cos, HAZE_ASYMMETRY) - smooth) * peak;
+                let single = rayleigh * (0.059_683 * (1.0 + cos * cos)) + Vec3::splat(HAZE_ALBEDO * haze * phase);
                 let further = higher.luminance(height, up) * l.illuminance_lux * diffuse;
                 source += lit * single + further * (rayleigh + Vec3::splat((HAZE_ALBEDO - FORWARD) * haze));
             }
             light += reaching * source * ((Vec3::ONE - through) / extinction.max(Vec3::splat(1e-12)));
+            depth += 0.5 * haze * ds;
             reaching *= through;
             passed *= (-(clear + Vec3::splat(haze)) * ds).exp();
         }
@@ -89,9 +98,8 @@ impl Air {
     }
 }
 
-/// Cornette-Shanks phase function (deck paper eq. 10 over 4 pi) of haze, asymmetry 0.76, 1/sr.
-fn haze_phase(cos: f32) -> f32 {
-    let f = HAZE_ASYMMETRY;
+/// Cornette-Shanks phase function (deck paper eq. 10 over 4 pi) of an asymmetry, 1/sr.
+fn haze_phase(cos: f32, f: f32) -> f32 {
     let shape = 1.5 * (1.0 - f * f) / (2.0 + f * f) * (1.0 + cos * cos) / (1.0 + f * f - 2.0 * f * cos).powf(1.5);
     shape * 0.079_577_47
 }

@@ -27,11 +27,14 @@ pub struct CityLamps {
     pub radius_m: f32,
     /// Mean luminance of what is lit, cd/m2.
     pub luminance: f32,
+    /// Height of the ground that it stands on.
+    pub ground_m: f32,
 }
 
 impl CityLamps {
-    /// Light at a point above the ground: luminance over all directions it comes from, lux.
+    /// Light at a point at a height over the sea: luminance over all directions it comes from, lux.
     pub fn scalar_lux(&self, place_m: Vec2, height_m: f32) -> f32 {
+        let height_m = (height_m - self.ground_m).max(0.0);
         let r2 = self.radius_m * self.radius_m;
         let away2 = place_m.distance_squared(self.place_m.into());
         let d2 = away2 + height_m * height_m;
@@ -75,7 +78,7 @@ mod tests {
     /// Haze of 40 km of visibility.
     const AIR: Air = Air { haze_per_m: 6.3e-5 };
     /// Three and a half million inhabitants around the eye.
-    const BERLIN: CityLamps = CityLamps { place_m: [0.0, 0.0], radius_m: 17_800.0, luminance: 0.167 };
+    const BERLIN: CityLamps = CityLamps { place_m: [0.0, 0.0], radius_m: 17_800.0, luminance: 0.167, ground_m: 0.0 };
 
     #[test]
     fn a_clear_sky_over_a_city_is_as_bright_as_it_is() {
@@ -84,7 +87,7 @@ mod tests {
         // 4 km from the middle of Vienna (1.7 million inhabitants) the darkest sky of a year had 19.25 (Puschnig, Posch and Uttenthaler
         // 2014, arXiv:1304.7716): 2.2e-3 cd/m2. Later hours and clearer air than ours are darker, clouds brighter: ours may be a third
         // darker and five times as bright.
-        let vienna = CityLamps { place_m: [4_000.0, 0.0], radius_m: 12_400.0, luminance: 0.167 };
+        let vienna = CityLamps { place_m: [4_000.0, 0.0], radius_m: 12_400.0, ..BERLIN };
         let darkest = of_magnitude(19.25);
         let over_vienna = AIR.city_light(&[vienna], 200.0, Vec3::Z).y;
         assert!((0.67 * darkest..5.0 * darkest).contains(&over_vienna), "{over_vienna}, darkest {darkest}");
@@ -113,5 +116,8 @@ mod tests {
             assert!((0.7..1.5).contains(&ratio), "{height_m}: {ratio}");
         }
         assert_eq!(AIR.city_light(&[], 40.0, Vec3::Z), Vec3::ZERO);
+        // Denver: what counts is the height over the city.
+        let high = CityLamps { ground_m: 1_600.0, ..BERLIN };
+        assert_eq!(high.scalar_lux(Vec2::ZERO, 2_600.0), BERLIN.scalar_lux(Vec2::ZERO, 1_000.0));
     }
 }

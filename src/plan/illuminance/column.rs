@@ -58,6 +58,8 @@ pub struct Column {
     pub eye: Level,
     /// At the ground.
     pub ground: Level,
+    /// Share of light from below that the layers send down again, and the height that they have for it, m.
+    pub underside: [f32; 2],
 }
 
 /// Share of its light that the ground sends back.
@@ -93,7 +95,7 @@ impl Column {
             below_lux.push(up_lux);
             up_lux = sent_up(layer, *above, up_lux, mu);
         }
-        Self { top, top_m: top_m.max(LEAST_TOP_M), above, below_lux, eye, ground }
+        Self { top, top_m: top_m.max(LEAST_TOP_M), above, below_lux, eye, ground, underside: underside(layers) }
     }
 
     /// The light under layers that stand among those around them: indices count the former alone.
@@ -110,6 +112,34 @@ impl Column {
         column.below_lux.retain(|_| is_own.next().unwrap_or(false));
         column
     }
+
+    /// A column on its way from one to another of the same layers.
+    pub fn between(from: &Self, to: &Self, share: f32) -> Self {
+        let level = |a: &Level, b: &Level| Level::mixed([(1.0 - share, *a), (share, *b)].into_iter());
+        let mix = |a: f32, b: f32| a + (b - a) * share;
+        Self {
+            top: level(&from.top, &to.top),
+            top_m: mix(from.top_m, to.top_m),
+            above: from.above.iter().zip(&to.above).map(|(a, b)| level(a, b)).collect(),
+            below_lux: from.below_lux.iter().zip(&to.below_lux).map(|(a, b)| a.lerp(*b, share)).collect(),
+            eye: level(&from.eye, &to.eye),
+            ground: level(&from.ground, &to.ground),
+            underside: [0, 1].map(|k| mix(from.underside[k], to.underside[k])),
+        }
+    }
+}
+
+/// Share of light from below that layers send down again, and the mean of their bases by their parts in it, m.
+fn underside(layers: &[LayerState]) -> [f32; 2] {
+    let (mut open, mut back, mut moment) = (1.0, 0.0, 0.0);
+    for layer in layers {
+        let returned = cover(layer) * (1.0 - diffuse_shares(layer, 1.0).1);
+        // Up through what lies below and down again.
+        let part = open * open * returned;
+        (back, moment) = (back + part, moment + part * layer.base_m as f32);
+        open *= 1.0 - returned;
+    }
+    [back, if back > 0.0 { moment / back } else { 0.0 }]
 }
 
 /// Share of the sky that a layer hides: of a storm cell, whose coverage is how far it has grown, that of its square.

@@ -7,9 +7,11 @@ use super::super::eye::Eye;
 use super::super::relight::depth_m;
 use super::column::Level;
 use crate::passes::relight::Lighting;
+use crate::passes::sky::atmosphere::{Air, Luminary};
+use crate::passes::sky::multiple::HigherOrders;
 use crate::world::command::Exposure;
 use crate::world::snapshot::{FlashState, Snapshot};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// Share of what is seen that faces the source: the flanks of clouds when the sun is low, which are then the brightest thing in
 /// the picture. By the level ground alone evenings were washed out.
@@ -47,6 +49,35 @@ pub fn ev100(asked: Exposure, at_eye: &Level, mu: f32, bright_side_lux: f32, sna
             automatic_ev(steady_lux + flash_lux(snapshot, eye))
         }
     }
+}
+
+/// How much more light of the clear sky a plane has that stands upright and faces the brighter luminary than half of what a level one has,
+/// which is its part of an even sky; twice that, lux.
+pub fn bright_side_lux(air: &Air, higher: &HigherOrders, height_m: f32, lights: &[Luminary; 2]) -> f32 {
+    let lights: Vec<Luminary> = lights.iter().filter(|l| l.illuminance_lux != Vec3::ZERO).copied().collect();
+    let Some(brightest) = lights.iter().max_by(|a, b| {
+        let strength = |l: &Luminary| l.illuminance_lux.y * (8.0 * l.direction.z.min(0.0)).exp();
+        strength(a).total_cmp(&strength(b))
+    }) else {
+        return 0.0;
+    };
+    let towards = Vec2::new(brightest.direction.x, brightest.direction.y).normalize_or(Vec2::Y);
+    let (rows, columns) = (5, 8);
+    let (mut upright, mut level) = (0.0, 0.0);
+    for row in 0..rows {
+        // Even in height over the horizon, where a twilight has its light.
+        let up = ((row as f32 + 0.5) / rows as f32).powi(2);
+        let flat = (1.0 - up * up).sqrt();
+        let solid = 2.0 * up.sqrt() / rows as f32 * (std::f32::consts::TAU / columns as f32);
+        for column in 0..columns {
+            let (sin, cos) = ((column as f32 + 0.5) / columns as f32 * std::f32::consts::TAU).sin_cos();
+            let azimuth = Vec2::new(towards.x * cos - towards.y * sin, towards.x * sin + towards.y * cos) * flat;
+            let seen = air.inscatter(higher, height_m, azimuth.extend(up), &lights, 12).0.y;
+            upright += seen * (cos * flat).max(0.0) * solid;
+            level += seen * up * solid;
+        }
+    }
+    (2.0 * upright - level).max(0.0)
 }
 
 /// What the exposure answers to of the flashes of the shutter interval, lux: at the eye, clouds in between not counted, and on

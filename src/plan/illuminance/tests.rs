@@ -348,3 +348,75 @@ fn a_low_sun_lights_clouds_red_and_high_ones_longest() {
     let low = on_cumulus(&sunlit(-1.5)).0;
     assert!(high[0] > 5.0 * low[0].max(1.0), "{high:?} {low:?}");
 }
+
+/// The ground's parameters of a plan.
+fn ground_of(snapshot: &Snapshot) -> crate::passes::ground::Ground {
+    plan(snapshot, &snapshot.views[0], Output::LinearRgb).ground.expect("ground is in sight")
+}
+
+#[test]
+fn ground_above_a_closed_sheet_is_lit_as_without_it() {
+    let mut snapshot = sunlit(40.0);
+    snapshot.terrain = crate::geo::terrain::Terrain::procedural();
+    snapshot.ownship.position = place(46.5, 8.0, 4_500.0);
+    let clear = ground_of(&snapshot);
+    snapshot.weather.layers = overcast(CloudKind::Stratus, 1_000.0, 500.0);
+    let sheet = ground_of(&snapshot);
+    assert_eq!((sheet.sheet_base_m, sheet.sheet_top_m), (1_000.0, 1_500.0));
+    let sum = |light: [f32; 3], sky: [f32; 3]| light[1] * sheet.light_direction[2] + sky[1];
+    let (above, without) = (sum(sheet.above_light_lux, sheet.above_sky_lux), sum(clear.light_lux, clear.sky_lux));
+    // At 1,500 m there is less haze in the way: 10 % more from the sun, and some less from the sky.
+    assert!((above / without - 1.0).abs() < 0.15, "{above} {without}");
+    // As it was, by what comes through the sheet as diffuse light on top of an unshaded sun.
+    let old = sum(sheet.light_lux, sheet.sky_lux);
+    assert!(old > 1.2 * without, "{old} {without}");
+    // A veil of cirrus above all mountains is no sheet, nor is anything over level ground.
+    snapshot.weather.layers = overcast(CloudKind::Cirrostratus, 8_000.0, 500.0);
+    assert!(ground_of(&snapshot).sheet_top_m > 1e5);
+    snapshot.weather.layers = overcast(CloudKind::Stratus, 1_000.0, 500.0);
+    snapshot.terrain = crate::geo::terrain::Terrain::ELLIPSOID;
+    assert!(ground_of(&snapshot).sheet_top_m > 1e5);
+}
+
+#[test]
+fn an_overcast_over_a_city_lights_the_ground_by_some_tenths_of_a_lux() {
+    let mut snapshot = sunlit(-40.0);
+    snapshot.ownship.position = place(48.857, 2.352, 300.0);
+    let lux = |snapshot: &Snapshot| ground_of(snapshot).glow_lux;
+    assert_eq!(lux(&snapshot), 0.0, "no cloud sends anything down");
+    snapshot.weather.layers = overcast(CloudKind::Stratocumulus, 800.0, 500.0);
+    let night = lux(&snapshot);
+    // Kyba et al. 2011 (PLoS ONE 6, e17307) found Berlin's overcast sky ten times as bright as its clear one, which makes about 0.1
+    // lx in the city; lamps of 525 cd m2 upwards a m2 of core cannot give more than pi times 0.167 lx.
+    assert!((0.1..0.6).contains(&night), "{night}");
+    // More under a thicker deck, less under a broken one, nothing by day or at sea.
+    let with = |change: &dyn Fn(&mut Snapshot)| {
+        let mut changed = snapshot.clone();
+        change(&mut changed);
+        lux(&changed)
+    };
+    assert!(with(&|s| s.weather.layers[0].thickness_m = 1_500.0) > night);
+    assert!(with(&|s| s.weather.layers[0].coverage = 0.4) < 0.6 * night);
+    assert_eq!(with(&|s| *s = sun(s.clone(), 30.0)), 0.0);
+    assert_eq!(with(&|s| s.ownship.position = place(45.0, -30.0, 300.0)), 0.0);
+    // A higher base is read from a coarser level.
+    let level = |base_m: f64| {
+        let mut changed = snapshot.clone();
+        changed.weather.layers[0].base_m = base_m;
+        ground_of(&changed).glow_level
+    };
+    assert!((level(1_600.0) - level(800.0) - 1.0).abs() < 1e-3);
+}
+
+#[test]
+fn hills_shade_each_other_only_where_a_low_light_meets_heights() {
+    let at = |terrain: crate::geo::terrain::Terrain, sun_deg: f64| {
+        let mut snapshot = sunlit(sun_deg);
+        snapshot.terrain = terrain;
+        snapshot.ownship.position = place(46.5, 8.0, 4_500.0);
+        ground_of(&snapshot).hills
+    };
+    use crate::geo::terrain::Terrain;
+    assert_eq!([5.0, 30.0, 60.0, -40.0].map(|sun_deg| at(Terrain::procedural(), sun_deg)), [1, 1, 0, 0]);
+    assert_eq!(at(Terrain::ELLIPSOID, 5.0), 0);
+}
