@@ -1,5 +1,8 @@
 //! The built binary as a user meets it: exit codes, complaints in words, pictures on disk, a server that starts and stops.
 
+#[path = "cli/tables.rs"]
+mod tables;
+
 use std::io::{BufRead, BufReader};
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};

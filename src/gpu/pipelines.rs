@@ -13,6 +13,8 @@ use std::collections::HashMap;
 
 const COMMON: &str = include_str!("../passes/common.wgsl");
 const RELIGHT: &str = include_str!("../passes/relight/relight.wgsl");
+/// Sums of tables of virtual lights.
+pub const SUM: &str = include_str!("../passes/relight/sum.wgsl");
 const FIELD: &str = concat!(
     include_str!("../passes/deck/field.wgsl"),
     "\n",
@@ -45,6 +47,7 @@ pub fn shaders() -> Vec<(&'static str, String)> {
         with_common("airlight", include_str!("../passes/airlight/airlight.wgsl")),
         ("glow", include_str!("../passes/glow/glow.wgsl").to_string()),
         with_common("cull", include_str!("../passes/cull/cull.wgsl")),
+        ("sum", SUM.to_string()),
         ("tonemap", include_str!("../passes/tonemap/tonemap.wgsl").to_string()),
     ]
 }

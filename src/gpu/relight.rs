@@ -1,5 +1,7 @@
 //! The fields of flashes' light on the device: one texture, a field above the other, and their parameters.
 
+mod sum;
+
 use super::device::Gpu;
 use super::textures::empty;
 use crate::passes::relight::store::Store;
@@ -8,6 +10,7 @@ use crate::passes::relight::{FIELDS, Field, HEIGHT, Prepared, WIDTH};
 use crate::plan::FramePlan;
 use half::f16;
 use std::sync::Arc;
+use sum::SumPasses;
 
 /// What the shaders of a picture read.
 pub struct Bound {
@@ -29,13 +32,14 @@ pub struct Fields {
 
 struct Atlas {
     texture: wgpu::Texture,
+    sums: Option<SumPasses>,
     held: [Option<Arc<Field>>; FIELDS],
 }
 
 impl Fields {
     /// None yet, over these tables.
     pub fn new(tables: Arc<Tables>) -> Self {
-        Self { store: Store::new(tables), dark: None, atlas: None }
+        Self { store: Store::new(tables, true), dark: None, atlas: None }
     }
 
     /// The tables of virtual lights.
@@ -64,15 +68,21 @@ impl Fields {
 impl Atlas {
     fn new(gpu: &Gpu) -> Self {
         let texture = volume(gpu, [WIDTH as u32, WIDTH as u32, (HEIGHT * FIELDS) as u32]);
-        Self { texture, held: [const { None }; FIELDS] }
+        Self { texture, sums: None, held: [const { None }; FIELDS] }
     }
 
-    /// Uploads what is not there yet.
+    /// Uploads what is not there yet, or has it summed on the device.
     fn hold(&mut self, gpu: &Gpu, fields: &[Option<Arc<Field>>]) -> wgpu::TextureView {
         for (slot, (held, field)) in self.held.iter_mut().zip(fields).enumerate() {
             let Some(field) = field else { continue };
             if held.as_ref().is_none_or(|held| !Arc::ptr_eq(held, field)) {
-                upload(gpu, &self.texture, slot, field);
+                match &field.summed {
+                    Some(summed) => {
+                        let sums = self.sums.get_or_insert_with(|| SumPasses::new(gpu));
+                        sums.run(gpu, summed, &self.texture, (slot * HEIGHT) as u32);
+                    }
+                    None => upload(gpu, &self.texture, slot, field),
+                }
                 *held = Some(field.clone());
             }
         }
@@ -81,7 +91,8 @@ impl Atlas {
 }
 
 fn volume(gpu: &Gpu, size: [u32; 3]) -> wgpu::Texture {
-    let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+    use wgpu::TextureUsages as Usage;
+    let usage = Usage::TEXTURE_BINDING | Usage::STORAGE_BINDING | Usage::COPY_DST | Usage::COPY_SRC;
     empty(gpu, "fields", wgpu::TextureFormat::Rgba16Float, size, usage)
 }
 

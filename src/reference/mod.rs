@@ -67,7 +67,7 @@ impl ReferenceExecutor {
 
     /// An executor with these tables of virtual lights, which it may share with others.
     pub fn with_tables(tables: Arc<Tables>) -> Self {
-        Self { fields: Store::new(tables), ..Self::default() }
+        Self { fields: Store::new(tables, false), ..Self::default() }
     }
 
     /// What is held for the pictures to come, by name, in bytes. What is nothing is left out.

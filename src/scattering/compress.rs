@@ -133,6 +133,34 @@ impl Block {
         block
     }
 
+    /// Where the coefficients lie, component after component.
+    pub fn places(&self) -> Vec<u32> {
+        let mut gaps = self.gaps.iter();
+        let mut places = Vec::with_capacity(self.values.len());
+        for count in &self.counts {
+            let mut next = 0;
+            places.extend((0..*count).filter_map(|_| place(&mut gaps, &mut next)).map(|place| place as u32));
+        }
+        places
+    }
+
+    /// The coefficients of all components in units of [`Block::unit_scales`], which only values of four bytes do without.
+    pub fn unit_values(&self) -> Vec<f32> {
+        match &self.values {
+            Values::F32(v) => v.clone(),
+            Values::F16(v) => v.iter().map(|v| v.to_f32()).collect(),
+            Values::Log8(v) => v.iter().map(|v| log8(*v)).collect(),
+        }
+    }
+
+    /// What [`Block::unit_values`] are to be multiplied by, component by component.
+    pub fn unit_scales(&self) -> Vec<f32> {
+        match &self.values {
+            Values::F32(_) => vec![1.0; self.scales.len()],
+            _ => self.scales.clone(),
+        }
+    }
+
     /// Bytes of the coefficients and their places, and 16 bytes a component.
     pub fn bytes(&self) -> usize {
         self.gaps.len() + self.values.len() * self.values.width() + self.counts.len() * 16

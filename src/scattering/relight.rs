@@ -265,16 +265,12 @@ impl<'a> Relighter<'a> {
     fn sum(&self, table: &dyn Table, points: &[PointSource], corner: [i64; 2]) -> (Vec<f32>, usize) {
         let recipe = table.recipe();
         let h = self.medium.spacing_m;
-        let mut weights: BTreeMap<usize, f64> = BTreeMap::new();
-        let mut outside = 0;
-        for point in points {
+        let moved = |point: &PointSource| {
             let [x, y, z] = point.position_m;
-            let shares = recipe.lights.shares([x + corner[0] as f64 * h[0], y + corner[1] as f64 * h[1], z]);
-            outside += usize::from(shares.outside);
-            for (light, share) in shares.lights {
-                *weights.entry(light).or_insert(0.0) += share * point.intensity;
-            }
-        }
+            let position_m = [x + corner[0] as f64 * h[0], y + corner[1] as f64 * h[1], z];
+            PointSource { position_m, ..*point }
+        };
+        let (weights, outside) = weights(recipe, &points.iter().map(moved).collect::<Vec<_>>());
         let components = recipe.components();
         if !recipe.medium.periodic {
             let mut sum = Sum::new(&self.haar, components, self.ambient);
@@ -322,6 +318,21 @@ impl<'a> Relighter<'a> {
             .collect();
         fluence.repeat(solver.angles().set.len())
     }
+}
+
+/// The lights that stand for points and their weights (eq. 6), and the number of points outside of the lights. `points` in the
+/// coordinates of the recipe's medium.
+pub fn weights(recipe: &Recipe, points: &[PointSource]) -> (BTreeMap<usize, f64>, usize) {
+    let mut weights: BTreeMap<usize, f64> = BTreeMap::new();
+    let mut outside = 0;
+    for point in points {
+        let shares = recipe.lights.shares(point.position_m);
+        outside += usize::from(shares.outside);
+        for (light, share) in shares.lights {
+            *weights.entry(light).or_insert(0.0) += share * point.intensity;
+        }
+    }
+    (weights, outside)
 }
 
 /// Adds fields of one window to those of another, `shift` cells on; what does not lie in it is far away and dark.

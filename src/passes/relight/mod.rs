@@ -15,6 +15,7 @@ pub mod emergent;
 pub mod patch;
 pub mod solve;
 pub mod store;
+pub mod sum;
 pub mod tables;
 pub mod twin;
 
@@ -24,6 +25,7 @@ use crate::scattering::relight::Method;
 use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
 use store::{Found, Store};
+use sum::Summed;
 
 /// Fields that light a picture at once.
 pub const FIELDS: usize = 8;
@@ -142,6 +144,8 @@ pub struct Field {
     pub method: Method,
     /// Whether it stands in for what was asked for, whose table is not there yet.
     pub stand_in: bool,
+    /// What a device makes the quotients from, which then are not here.
+    pub summed: Option<Arc<Summed>>,
 }
 
 /// A point that a field falls off from. Parameters; twin of `LitPoint` in `relight.wgsl`.
@@ -301,6 +305,7 @@ fn stand_in(flash: &LitFlash) -> Lit {
         above: Emergent::default(),
         method: Method::Point,
         stand_in: true,
+        summed: None,
     };
     Lit { levels: 0, ..bare.placed(&flash.placing) }
 }

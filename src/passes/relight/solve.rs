@@ -76,24 +76,34 @@ pub fn stored(request: &Request, window: Window, set: &DirectionSet, relit: &Rel
             m[3] += z * light;
         }
     }
-    // A third of the lean is what the cell scatters on balance: albedo times asymmetry times the flux over 4 pi.
-    let to_flux = 4.0 * std::f32::consts::PI / (3.0 * ASYMMETRY as f32 * params().albedo as f32);
+    let to_flux = to_flux();
     let plane = nx * ny;
     let face = |z: usize, sign: f32| -> Vec<f32> {
         moments[z * plane..][..plane].iter().map(|m| sign * m[3] * to_flux).collect()
     };
     let (below, above) = (emergent(&window, &face(0, -1.0)), emergent(&window, &face(nz - 1, 1.0)));
     let mut quotients = moments;
-    quotients.par_iter_mut().enumerate().for_each(|(i, m)| {
-        let cell = [i % nx, i / nx % ny, i / plane];
-        let in_air = mean_in_air(&window, &points, cap_m2, cell);
-        // A sum of four terms is nowhere negative if the lean is no more than the mean.
-        let lean = (m[1] * m[1] + m[2] * m[2] + m[3] * m[3]).sqrt();
-        let keep = if lean > m[0] { m[0] / lean } else { 1.0 };
-        let scale = 1.0 / in_air;
-        *m = [m[0] * scale, m[1] * keep * scale, m[2] * keep * scale, m[3] * keep * scale];
-    });
-    Field { window, quotients, points, cap_m2, below, above, method: relit.method, stand_in: false }
+    quotients
+        .par_iter_mut()
+        .enumerate()
+        .for_each(|(i, m)| *m = lean_kept(*m, mean_in_air(&window, &points, cap_m2, i)));
+    let method = relit.method;
+    Field { window, quotients, points, cap_m2, below, above, method, stand_in: false, summed: None }
+}
+
+/// From three times the mean of directions to the flux: a third of it is what the cell scatters on balance, albedo times
+/// asymmetry times the flux over 4 pi.
+pub fn to_flux() -> f32 {
+    4.0 * std::f32::consts::PI / (3.0 * ASYMMETRY as f32 * params().albedo as f32)
+}
+
+/// A cell's quotients from its moments (mean, and lean towards east, north and up). A sum of four terms is nowhere negative
+/// if the lean is no more than the mean.
+pub fn lean_kept(m: [f32; 4], in_air: f32) -> [f32; 4] {
+    let lean = (m[1] * m[1] + m[2] * m[2] + m[3] * m[3]).sqrt();
+    let keep = if lean > m[0] { m[0] / lean } else { 1.0 };
+    let scale = 1.0 / in_air;
+    [m[0] * scale, m[1] * keep * scale, m[2] * keep * scale, m[3] * keep * scale]
 }
 
 /// At most [`POINTS`] points that stand for many, and the square of the distance within which each stands for a piece of
@@ -124,8 +134,10 @@ pub fn in_air(points: &[Point], cap_m2: f32, p: [f32; 3]) -> f32 {
     points.iter().map(|q| q.share / (square(q) + cap_m2)).sum()
 }
 
-/// Its mean over a cell; what is far from all points is even enough to be told by its middle.
-fn mean_in_air(window: &Window, points: &[Point], cap_m2: f32, cell: [usize; 3]) -> f32 {
+/// Its mean over a cell of this number; what is far from all points is even enough to be told by its middle.
+pub fn mean_in_air(window: &Window, points: &[Point], cap_m2: f32, cell: usize) -> f32 {
+    let [nx, ny, _] = window.cells;
+    let cell = [cell % nx, cell / nx % ny, cell / (nx * ny)];
     let at = |offset: [f32; 3]| -> [f32; 3] {
         std::array::from_fn(|k| window.corner_m[k] + (cell[k] as f32 + offset[k]) * window.cell_m[k])
     };

@@ -85,17 +85,21 @@ pub struct Store {
     idle: u32,
     solved: usize,
     tables: Arc<Tables>,
+    /// Whether sums of tables are left to a device.
+    on_device: bool,
 }
 
 /// The field of a request by its method, in a table's light if it needs one.
-fn field(request: &Request, tables: &Arc<Tables>, wait: bool) -> Option<Field> {
-    if request.method.method().table().is_some() { tables.field(request, wait) } else { solve::field(request) }
+fn field(request: &Request, tables: &Arc<Tables>, wait: bool, on_device: bool) -> Option<Field> {
+    let by_table = request.method.method().table().is_some();
+    if by_table { tables.field(request, wait, on_device) } else { solve::field(request) }
 }
 
 impl Store {
-    /// An empty store over these tables, which it may share with others.
-    pub fn new(tables: Arc<Tables>) -> Self {
-        Self { tables, ..Self::default() }
+    /// An empty store over these tables, which it may share with others. `on_device`: whoever reads its fields sums tables of the
+    /// published scheme itself ([`super::sum`]).
+    pub fn new(tables: Arc<Tables>, on_device: bool) -> Self {
+        Self { tables, on_device, ..Self::default() }
     }
 
     /// The fields of a picture, in order. `wait`: until all of them are there.
@@ -163,11 +167,11 @@ impl Store {
                 // A thread that is gone has left nothing: once more, here.
                 Some((_, result)) => {
                     let made = result.recv().ok().filter(|made| made.as_ref().is_none_or(|made| !made.stand_in));
-                    made.unwrap_or_else(|| field(request, &self.tables, true))
+                    made.unwrap_or_else(|| field(request, &self.tables, true, self.on_device))
                 }
                 None => {
                     self.solved += 1;
-                    field(request, &self.tables, true)
+                    field(request, &self.tables, true, self.on_device)
                 }
             };
             let found = self.keep(request.clone(), solved);
@@ -191,10 +195,10 @@ impl Store {
         let (send, result) = sync_channel(1);
         let given = request.clone();
         let thread = std::thread::Builder::new().name("relight".into());
-        let tables = self.tables.clone();
+        let (tables, on_device) = (self.tables.clone(), self.on_device);
         let solve = move || match beside() {
-            Some(pool) => pool.install(|| field(&given, &tables, false)),
-            None => field(&given, &tables, false),
+            Some(pool) => pool.install(|| field(&given, &tables, false, on_device)),
+            None => field(&given, &tables, false, on_device),
         };
         // Nobody may be left to take it.
         if thread.spawn(move || drop(send.send(solve()))).is_ok() {

@@ -107,7 +107,8 @@ impl Tables {
     }
 
     /// The field of a request of a method with a table. `wait`: its lights are baked now if they are not there; else it is solved.
-    pub fn field(self: &Arc<Self>, request: &Request, wait: bool) -> Option<Field> {
+    /// `on_device`: what a device can sum is left to it.
+    pub fn field(self: &Arc<Self>, request: &Request, wait: bool, on_device: bool) -> Option<Field> {
         let piece = self.piece(request)?;
         let sources = sources(&request.points, &piece.window);
         let due = piece.due(&sources);
@@ -115,7 +116,7 @@ impl Tables {
         if wait || there {
             due.par_iter().for_each(|batch| self.bake(&piece, *batch));
             self.trim(0);
-            if let Some(field) = piece.field(request, &sources, &due) {
+            if let Some(field) = piece.field(request, &sources, &due, on_device) {
                 return Some(field);
             }
         } else {

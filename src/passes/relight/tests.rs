@@ -127,6 +127,7 @@ fn a_face_as_one_patch_lights_the_ground_as_its_columns_do() {
         above: Emergent::default(),
         method: Method::Solve,
         stand_in: false,
+        summed: None,
     };
     let mut lits = Lits::zeroed();
     (lits.fields, lits.lit[0]) = (1, field.placed(&HERE));

@@ -4,7 +4,7 @@ use super::super::cache::{Cache, Key, key};
 use super::super::cloud::{medium, window};
 use super::super::patch::recipe;
 use super::super::solve::{self, stored};
-use super::super::{Field, Request, Window};
+use super::super::{Field, Lighting, Request, Window, sum};
 use crate::numeric::haar::Haar;
 use crate::scattering::basis::Recipe;
 use crate::scattering::compress::Block;
@@ -157,13 +157,21 @@ impl Piece {
     }
 
     /// The field of points whose lights are there; `None` where the light of one was not found.
-    pub fn field(&self, request: &Request, sources: &[PointSource], due: &[usize]) -> Option<Field> {
+    /// `on_device`: its sum is left to a device that can make it.
+    pub fn field(&self, request: &Request, sources: &[PointSource], due: &[usize], on_device: bool) -> Option<Field> {
         if !due.iter().all(|batch| matches!(self.made[*batch].get(), Some(Some(_)))) {
             return None;
         }
+        let set = &self.solver.angles().set;
+        if on_device
+            && request.method == Lighting::Basis
+            && let Some(field) = sum::field(request, self.window, set, self, sources)
+        {
+            return Some(field);
+        }
         let relighter = Relighter::new(&self.recipe.medium, &self.solver);
         let relit = relighter.relight_from(request.method.method(), sources, Some(self)).ok()?;
-        Some(stored(request, self.window, &self.solver.angles().set, &relit))
+        Some(stored(request, self.window, set, &relit))
     }
 }
 

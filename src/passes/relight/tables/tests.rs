@@ -21,7 +21,7 @@ fn a_table_lights_as_a_solve_does_and_bakes_what_is_asked_for_alone() {
     let tables = Arc::new(Tables::default());
     let at = [210.0, -130.0, 1_320.0];
     let truth = solve::field(&struck(Lighting::Solve, at)).expect("a cloud");
-    let found = tables.field(&struck(Lighting::Hybrid, at), true).expect("a cloud");
+    let found = tables.field(&struck(Lighting::Hybrid, at), true, false).expect("a cloud");
     assert!(!found.stand_in && found.method == Lighting::Hybrid.method());
     // Lights stand two cells, eighteen free paths, apart: what is scattered more often is blended between their places, far
     // from where it comes from (0.4 to 0.5 of b in such decks). All of it is still better than none of it.
@@ -33,27 +33,27 @@ fn a_table_lights_as_a_solve_does_and_bakes_what_is_asked_for_alone() {
     let bytes = tables.bytes();
     assert!(bytes > 0);
     // The same place again costs nothing, and another flash in the cloud finds the piece.
-    assert_eq!(tables.field(&struck(Lighting::Hybrid, at), true).expect("a cloud"), found);
+    assert_eq!(tables.field(&struck(Lighting::Hybrid, at), true, false).expect("a cloud"), found);
     let again = tables.status();
     assert_eq!((again.lights, again.of, again.baked, tables.bytes()), (baked, all, baked, bytes));
-    tables.field(&struck(Lighting::Hybrid, [900.0, 500.0, 1_200.0]), true).expect("a cloud");
+    tables.field(&struck(Lighting::Hybrid, [900.0, 500.0, 1_200.0]), true, false).expect("a cloud");
     assert_eq!(tables.status().of, all);
     // Memory that is full forgets.
     tables.set_most(1);
-    tables.field(&struck(Lighting::Hybrid, at), true).expect("lit all the same");
+    tables.field(&struck(Lighting::Hybrid, at), true, false).expect("lit all the same");
     assert_eq!((tables.bytes(), tables.status().lights, tables.status().of), (0, 0, 0));
     let clear = Request {
         layer: crate::passes::deck::Layer { theta: 1.0, ..struck(Lighting::Hybrid, at).layer },
         ..struck(Lighting::Hybrid, at)
     };
-    assert!(tables.field(&clear, true).is_none());
+    assert!(tables.field(&clear, true, false).is_none());
 }
 
 #[test]
 fn running_free_a_solve_stands_in_until_the_lights_are_there() {
     let tables = Arc::new(Tables::default());
     let flash = struck(Lighting::Hybrid, [40.0, 30.0, 1_250.0]);
-    let first = tables.field(&flash, false).expect("a cloud");
+    let first = tables.field(&flash, false, false).expect("a cloud");
     assert!(first.stand_in && first.method == Lighting::Solve.method());
     // What the background does, here: the flash's own lights come first.
     let weak = Arc::downgrade(&tables);
@@ -61,10 +61,10 @@ fn running_free_a_solve_stands_in_until_the_lights_are_there() {
     while !tables.has(&flash) {
         assert!(fill_one(&weak));
     }
-    let second = tables.field(&flash, false).expect("a cloud");
+    let second = tables.field(&flash, false, false).expect("a cloud");
     assert!(!second.stand_in);
     // By whomever and whenever lights are baked: the same bits.
-    assert_eq!(Arc::new(Tables::default()).field(&flash, true), Some(second));
+    assert_eq!(Arc::new(Tables::default()).field(&flash, true, false), Some(second));
 }
 
 /// A thin piece of few cells, whose lights are baked in no time.
@@ -108,15 +108,15 @@ fn a_second_run_finds_the_lights_of_the_first_and_bakes_nothing() {
         let folder = Folder::new(&format!("second-{}", method.name()));
         let flash = light_cloud(method, [40.0, 30.0, 1_150.0]);
         let first = folder.tables();
-        let lit = first.field(&flash, true).expect("a cloud");
+        let lit = first.field(&flash, true, false).expect("a cloud");
         let baked = first.status().baked;
         assert!(baked > 0 && first.status().read == 0 && first.status().cache_bytes > 0);
         let second = folder.tables();
-        assert_eq!(second.field(&flash, true).as_ref(), Some(&lit), "the same bits");
+        assert_eq!(second.field(&flash, true, false).as_ref(), Some(&lit), "the same bits");
         let status = second.status();
         assert_eq!((status.baked, status.read, status.refused), (0, baked, 0));
         // A flash beside it needs some more, and finds the others.
-        second.field(&light_cloud(method, [900.0, 800.0, 1_150.0]), true).expect("a cloud");
+        second.field(&light_cloud(method, [900.0, 800.0, 1_150.0]), true, false).expect("a cloud");
         let more = second.status().baked;
         assert!(more > 0);
         // What is whole is one file, with all lights, and a basis like any other.
@@ -129,7 +129,7 @@ fn a_second_run_finds_the_lights_of_the_first_and_bakes_nothing() {
         assert_eq!(folder.tables().status().cache_bytes, bytes.len() as u64);
         let third = folder.tables();
         assert_eq!(third.bake_whole(&flash, |_, _| {}), Some([0, 0]));
-        assert_eq!(third.field(&flash, true), Some(lit));
+        assert_eq!(third.field(&flash, true, false), Some(lit));
         assert_eq!((third.status().baked, third.status().read), (0, third.status().of));
         // Without the folder everything is baked again, to the same light.
         assert!(first.status().baked == baked && Tables::default().status().cache_bytes == 0);
@@ -140,7 +140,7 @@ fn a_second_run_finds_the_lights_of_the_first_and_bakes_nothing() {
 fn what_is_damaged_or_foreign_is_told_once_and_baked_again() {
     let folder = Folder::new("damaged");
     let flash = light_cloud(Lighting::Hybrid, [40.0, 30.0, 1_150.0]);
-    let lit = folder.tables().field(&flash, true).expect("a cloud");
+    let lit = folder.tables().field(&flash, true, false).expect("a cloud");
     let shares = folder.names(".share");
     let sound: Vec<Vec<u8>> = shares.iter().map(|path| std::fs::read(path).expect("a share")).collect();
     let name = |file: &str| folder.0.join(file);
@@ -157,7 +157,7 @@ fn what_is_damaged_or_foreign_is_told_once_and_baked_again() {
         let other = Folder::new("damaged-other");
         let thicker =
             Request { layer: crate::passes::deck::Layer { extinction_per_m: 0.0013, ..flash.layer }, ..flash.clone() };
-        other.tables().field(&thicker, true).expect("a cloud");
+        other.tables().field(&thicker, true, false).expect("a cloud");
         std::fs::read(&other.names(".share")[0]).expect("a share")
     };
     let harms = [
@@ -172,7 +172,7 @@ fn what_is_damaged_or_foreign_is_told_once_and_baked_again() {
     for (harm, why) in harms {
         std::fs::write(&shares[0], &harm).expect("a file");
         let tables = folder.tables();
-        assert_eq!(tables.field(&flash, true).as_ref(), Some(&lit), "{why}");
+        assert_eq!(tables.field(&flash, true, false).as_ref(), Some(&lit), "{why}");
         let told = tables.complaints();
         assert!(told.len() == 1 && told[0].contains(why), "{why}: {told:?}");
         let status = tables.status();
@@ -185,7 +185,7 @@ fn what_is_damaged_or_foreign_is_told_once_and_baked_again() {
     std::fs::remove_file(&shares[0]).expect("gone");
     std::fs::create_dir(&shares[0]).expect("a folder");
     let tables = folder.tables();
-    assert_eq!(tables.field(&flash, true).as_ref(), Some(&lit));
+    assert_eq!(tables.field(&flash, true, false).as_ref(), Some(&lit));
     assert!(tables.complaints().iter().any(|told| told.contains("is no file")));
     assert_eq!(std::fs::read(name("notes.txt")).expect("there"), b"of somebody else");
     // A whole table that was cut short: what is sound of it is used, the rest is baked again.
@@ -210,7 +210,7 @@ fn what_is_full_forgets_what_was_not_used_for_longest_and_nothing_of_others() {
         Request { layer: crate::passes::deck::Layer { extinction_per_m: extinction, ..thin.layer }, ..thin }
     };
     let open = |most: u64| Arc::new(Tables::new(Some(Arc::new(Cache::open(&folder.0, most).expect("a folder")))));
-    folder.tables().field(&flash(0.0011), true).expect("a cloud");
+    folder.tables().field(&flash(0.0011), true, false).expect("a cloud");
     std::fs::write(folder.0.join("notes.txt"), vec![7; 1 << 20]).expect("a file");
     let old = folder.names(".share");
     let one: u64 = old.iter().map(|path| path.metadata().expect("a share").len()).sum();
@@ -221,24 +221,24 @@ fn what_is_full_forgets_what_was_not_used_for_longest_and_nothing_of_others() {
         file.set_modified(long_ago).expect("a time");
     }
     let tables = open(one * 5 / 2);
-    tables.field(&flash(0.0012), true).expect("a cloud");
+    tables.field(&flash(0.0012), true, false).expect("a cloud");
     assert!(old.iter().all(|path| path.exists()), "there is room for two");
     // Read again, the first is the younger one.
     let again = open(one * 5 / 2);
-    again.field(&flash(0.0011), true).expect("a cloud");
+    again.field(&flash(0.0011), true, false).expect("a cloud");
     assert_eq!(again.status().baked, 0);
     let middle: Vec<_> = folder.names(".share").into_iter().filter(|path| !old.contains(path)).collect();
     for path in &middle {
         let file = std::fs::File::options().append(true).open(path).expect("a share");
         file.set_modified(long_ago).expect("a time");
     }
-    again.field(&flash(0.0013), true).expect("a cloud");
+    again.field(&flash(0.0013), true, false).expect("a cloud");
     assert!(old.iter().all(|path| path.exists()) && !middle.iter().any(|path| path.exists()));
     assert!(again.status().cache_bytes <= one * 5 / 2 && again.complaints().is_empty());
     assert!(folder.0.join("notes.txt").exists());
     // A table that is larger than all may be is told once, and not written again and again.
     let tiny = open(1_000);
-    tiny.field(&flash(0.0014), true).expect("lit all the same");
+    tiny.field(&flash(0.0014), true, false).expect("lit all the same");
     assert!(matches!(&tiny.complaints()[..], [told] if told.contains("larger than")));
     assert!(folder.names(".share").is_empty() && tiny.status().cache_bytes == 0);
 }
@@ -252,7 +252,36 @@ fn a_folder_that_is_none_is_refused_and_one_that_vanishes_is_told() {
     let tables = folder.tables();
     std::fs::remove_dir_all(&folder.0).expect("gone");
     let flash = light_cloud(Lighting::Hybrid, [40.0, 30.0, 1_150.0]);
-    assert!(tables.field(&flash, true).is_some());
+    assert!(tables.field(&flash, true, false).is_some());
     let told = tables.complaints();
     assert!(told.len() == 2 && told.iter().any(|told| told.contains("nothing can be kept")), "{told:?}");
+}
+
+#[test]
+fn what_is_left_to_a_device_is_the_same_field() {
+    let tables = Arc::new(Tables::default());
+    let flash = light_cloud(Lighting::Basis, [40.0, 30.0, 1_150.0]);
+    let here = tables.field(&flash, true, false).expect("a cloud");
+    let there = tables.field(&flash, true, true).expect("a cloud");
+    let summed = there.summed.clone().expect("left to a device");
+    assert!(here.summed.is_none() && there.quotients.is_empty() && !here.quotients.is_empty());
+    // The twin sums in the same order: what is left is how f32 rounds.
+    let most = here.quotients.as_flattened().iter().fold(0.0_f32, |m, v| m.max(v.abs()));
+    let twin = summed.quotients();
+    let pairs = twin.as_flattened().iter().zip(here.quotients.as_flattened());
+    let apart = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max) / most;
+    assert!(twin.len() == here.quotients.len() && apart < 1e-6, "{apart}");
+    assert_eq!(
+        (there.window, &there.points, there.cap_m2, there.method),
+        (here.window, &here.points, here.cap_m2, here.method)
+    );
+    for (a, b) in [(there.below, here.below), (there.above, here.above)] {
+        // Single directions that dropped coefficients made negative count as they are, where the field has them as dark.
+        assert!((a.share / b.share - 1.0).abs() < 0.01 && a.share > 0.0, "{} {}", a.share, b.share);
+        assert!((a.spread_m2 / b.spread_m2 - 1.0).abs() < 0.05);
+        assert!((0..2).all(|k| (a.middle_m[k] - b.middle_m[k]).abs() < 5.0));
+    }
+    // Only the published scheme ends with its sum.
+    let hybrid = tables.field(&light_cloud(Lighting::Hybrid, [40.0, 30.0, 1_150.0]), true, true).expect("a cloud");
+    assert!(hybrid.summed.is_none() && !hybrid.quotients.is_empty());
 }
