@@ -1,11 +1,14 @@
 //! How far a place of a genus surely is from cloud: what a walk through empty space may leave out.
 //!
-//! *What it is.* For cells of 128 x 128 columns and 8 heights of the tile, and for 12 thetas, the distance to the nearest cell
-//! in which any look could find a shape value above that theta.
-//! *How we compute it.* The greatest value of each cell and of the voxels around it, then an exact distance transform axis by
-//! axis over gaps between cells, up to 2 km away.
-//! *How we store it.* One byte a cell in steps of 8 m, rounded down: x fastest, then y, then height, then theta.
-//! *How we read it back.* The nearest cell, without interpolation: a distance holds for the whole cell.
+//! *What it is.* For cells of 128 x 128 columns and 16 heights of the tile, and for four distances, the greatest shape value that any
+//! look nearer than that could find. Heights count four times: a ray that is nearly level goes far before it is down at the
+//! tops, and what keeps it up is not how far away these are but how much lower.
+//! *How we compute it.* The greatest value of each cell and of the voxels around it, then the greatest of all cells whose gap is
+//! less than the distance, by rows that have been widened.
+//! *How we store it.* Four bytes a cell, one for each distance: x fastest, then y, then height.
+//! *How we read it back.* The nearest cell, without interpolation: a value holds for the whole cell. Values are compared with the
+//! theta that rules, so that a cloud is as small as it is there; a table of distances for a few thetas, which must be told
+//! of the next lower one, found hardly any place free at half cover.
 
 use super::CloudKind;
 use super::density::{self, DensityVolume, TILE_M};
@@ -14,20 +17,16 @@ use std::sync::{Arc, OnceLock};
 /// Cells east and north.
 pub const WIDTH: usize = 128;
 /// Cells upwards.
-pub const HEIGHT: usize = 8;
-/// Thetas.
-pub const THETAS: usize = 12;
-/// Theta from one to the next; the first is 0.
-pub const THETA_STEP: f32 = 0.08;
-/// What one step of a byte stands for.
-pub const UNIT_M: f32 = 8.0;
-/// Cells that are looked over each way.
-const REACH: usize = 16;
+pub const HEIGHT: usize = 16;
+/// The distances, m.
+pub const DISTANCES_M: [f32; 4] = [250.0, 500.0, 1_000.0, 2_000.0];
+/// What a metre of height counts.
+pub const STRETCH: f32 = 4.0;
 const CELL_M: f32 = TILE_M / WIDTH as f32;
 const AREA: usize = WIDTH * WIDTH;
 
-/// The table of a genus at its usual thickness, made at first use and kept (1.5 MiB). A layer of another thickness may go as far
-/// where it is thicker, and less far by the ratio of both where it is thinner.
+/// The table of a genus at its usual thickness, made at first use and kept (1 MiB). In a layer of another thickness heights count
+/// by the ratio of both.
 pub fn of(kind: CloudKind) -> Arc<Vec<u8>> {
     static KEPT: [OnceLock<Arc<Vec<u8>>>; CloudKind::COUNT] = [const { OnceLock::new() }; CloudKind::COUNT];
     let volume = DensityVolume::of(kind);
@@ -37,13 +36,18 @@ pub fn of(kind: CloudKind) -> Arc<Vec<u8>> {
 /// The table of any shape values, for a layer of this thickness.
 pub fn build(shape: &[u8], thickness_m: f32) -> Vec<u8> {
     let most = greatest(shape);
-    let cell_height_m = thickness_m / HEIGHT as f32;
-    let mut table = vec![0; AREA * HEIGHT * THETAS];
-    for (node, out) in table.chunks_exact_mut(AREA * HEIGHT).enumerate() {
-        let theta = node as f32 * THETA_STEP * 255.0;
-        let occupied: Vec<f32> = most.iter().map(|v| if f32::from(*v) > theta { 0.0 } else { f32::INFINITY }).collect();
-        for (byte, square) in out.iter_mut().zip(distances(occupied, cell_height_m)) {
-            *byte = (square.sqrt() / UNIT_M).min(255.0) as u8;
+    let cell_height_m = STRETCH * thickness_m / HEIGHT as f32;
+    let mut table = vec![0; AREA * HEIGHT * DISTANCES_M.len()];
+    // Row by row wider by a cell to each side.
+    let mut widened = vec![most];
+    for (level, distance_m) in DISTANCES_M.into_iter().enumerate() {
+        while widened.len() <= cells_below(distance_m) {
+            let next = wider(&widened[widened.len() - 1]);
+            widened.push(next);
+        }
+        let found = within(&widened, distance_m, cell_height_m);
+        for (texel, value) in table.chunks_exact_mut(DISTANCES_M.len()).zip(found) {
+            texel[level] = value;
         }
     }
     table
@@ -70,90 +74,87 @@ fn greatest(shape: &[u8]) -> Vec<u8> {
         .collect()
 }
 
-/// Squares of the distances to the nearest cell that is 0; what is farther than the reach has that of the reach.
-fn distances(mut field: Vec<f32>, cell_height_m: f32) -> Vec<f32> {
-    // Cells that touch are no distance apart.
-    let gap = |cells: usize, size_m: f32| (cells.saturating_sub(1) as f32 * size_m).powi(2);
-    let mut next = vec![0.0; field.len()];
-    for z in 0..HEIGHT {
-        let out = &mut next[z * AREA..][..AREA];
-        out.fill(f32::INFINITY);
-        for (other, plane) in field.chunks_exact(AREA).enumerate() {
-            least(out, plane, gap(z.abs_diff(other), cell_height_m));
+/// Gap between two cells so many cells apart: those that touch are no distance apart.
+fn gap(cells: usize, size_m: f32) -> f32 {
+    cells.saturating_sub(1) as f32 * size_m
+}
+
+/// How many columns away the last one lies whose gap is less than a distance above 0.
+fn cells_below(distance_m: f32) -> usize {
+    (distance_m / CELL_M).ceil() as usize
+}
+
+/// Each row, which wraps, widened by a cell to each side.
+fn wider(values: &[u8]) -> Vec<u8> {
+    let mut next = values.to_vec();
+    for (row, out) in values.chunks_exact(WIDTH).zip(next.chunks_exact_mut(WIDTH)) {
+        for (x, value) in out.iter_mut().enumerate() {
+            *value = (*value).max(row[(x + 1) % WIDTH]).max(row[(x + WIDTH - 1) % WIDTH]);
         }
     }
-    std::mem::swap(&mut field, &mut next);
-    for (plane, out) in field.chunks_exact(AREA).zip(next.chunks_exact_mut(AREA)) {
-        for (y, row) in out.chunks_exact_mut(WIDTH).enumerate() {
-            row.fill(f32::INFINITY);
-            for dy in 0..=2 * REACH {
-                least(
-                    row,
-                    &plane[(y + dy + WIDTH - REACH) % WIDTH * WIDTH..][..WIDTH],
-                    gap(dy.abs_diff(REACH), CELL_M),
-                );
+    next
+}
+
+/// The greatest of all cells nearer than a distance, from rows that are widened by 0 and more cells.
+fn within(widened: &[Vec<u8>], distance_m: f32, cell_height_m: f32) -> Vec<u8> {
+    let mut found = vec![0; AREA * HEIGHT];
+    let reach = cells_below(distance_m);
+    for (z, plane) in found.chunks_exact_mut(AREA).enumerate() {
+        for other in 0..HEIGHT {
+            for dy in 0..=2 * reach {
+                let across = gap(z.abs_diff(other), cell_height_m).hypot(gap(dy.abs_diff(reach), CELL_M));
+                if across >= distance_m {
+                    continue;
+                }
+                let source = &widened[cells_below((distance_m * distance_m - across * across).sqrt())][other * AREA..];
+                for (y, row) in plane.chunks_exact_mut(WIDTH).enumerate() {
+                    let from = &source[(y + dy + WIDTH - reach) % WIDTH * WIDTH..][..WIDTH];
+                    for (out, value) in row.iter_mut().zip(from) {
+                        *out = (*out).max(*value);
+                    }
+                }
             }
         }
     }
-    let farthest = gap(REACH, CELL_M);
-    let mut ring = [0.0f32; WIDTH + 2 * REACH];
-    for (row, out) in next.chunks_exact(WIDTH).zip(field.chunks_exact_mut(WIDTH)) {
-        for (i, value) in ring.iter_mut().enumerate() {
-            *value = row[(i + WIDTH - REACH) % WIDTH];
-        }
-        out.fill(farthest);
-        for dx in 0..=2 * REACH {
-            least(out, &ring[dx..][..WIDTH], gap(dx.abs_diff(REACH), CELL_M));
-        }
-    }
-    field
-}
-
-fn least(out: &mut [f32], values: &[f32], more: f32) {
-    for (out, value) in out.iter_mut().zip(values) {
-        *out = out.min(value + more);
-    }
+    found
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Distance from a cell to the nearest that is occupied, cell by cell.
-    fn by_hand(most: &[u8], theta: f32, from: [i32; 3], height_m: f32) -> f32 {
-        let mut nearest = (REACH - 1) as f32 * CELL_M;
-        for (i, _) in most.iter().enumerate().filter(|(_, v)| f32::from(**v) > theta * 255.0) {
+    /// The greatest value nearer than a distance, cell by cell; with it the same at a distance a centimetre off.
+    fn by_hand(most: &[u8], distance_m: f32, from: [i32; 3], height_m: f32) -> u8 {
+        let near = most.iter().enumerate().filter(|(i, _)| {
             let at = [i % WIDTH, i / WIDTH % WIDTH, i / AREA].map(|v| v as i32);
             let wide = |axis: usize| {
                 let d = (at[axis] - from[axis]).rem_euclid(WIDTH as i32);
                 (d.min(WIDTH as i32 - d) - 1).max(0) as f32 * CELL_M
             };
             let high = ((at[2] - from[2]).abs() - 1).max(0) as f32 * height_m;
-            nearest = nearest.min((wide(0).powi(2) + wide(1).powi(2) + high * high).sqrt());
-        }
-        nearest
+            wide(0).powi(2) + wide(1).powi(2) + high * high < distance_m * distance_m
+        });
+        near.map(|(_, value)| *value).max().unwrap_or(0)
     }
 
     #[test]
-    fn distances_are_those_found_cell_by_cell() {
+    fn values_are_those_found_cell_by_cell() {
         let kind = CloudKind::Cumulus;
         let (shape, thickness_m) = (&DensityVolume::of(kind).shape, kind.appearance().usual_thickness_m);
         let (table, most) = (of(kind), greatest(shape));
-        let mut far = 0;
-        for k in 0..60usize {
-            let node = 4 + k % 7;
+        let height_m = STRETCH * thickness_m / HEIGHT as f32;
+        let mut grown = 0;
+        for k in 0..40usize {
             let from = [k * 37 % WIDTH, k * 91 % WIDTH, k % HEIGHT];
-            let stored = table[from[0] + from[1] * WIDTH + from[2] * AREA + node * AREA * HEIGHT];
-            let expected =
-                by_hand(&most, node as f32 * THETA_STEP, from.map(|v| v as i32), thickness_m / HEIGHT as f32);
-            // Rounded down to 8 m; both sum the same squares.
-            let found = f32::from(stored) * UNIT_M;
-            assert!(
-                found <= expected + 0.01 && found > expected - UNIT_M - 0.01,
-                "{from:?} {node}: {found} {expected}"
-            );
-            far += usize::from(found > 400.0);
+            let at = from[0] + from[1] * WIDTH + from[2] * AREA;
+            let stored = &table[DISTANCES_M.len() * at..][..DISTANCES_M.len()];
+            for (value, distance_m) in stored.iter().zip(DISTANCES_M) {
+                // Whole cells that lie just at the distance may be rounded to either side.
+                let found = |by_m: f32| by_hand(&most, distance_m + by_m, from.map(|v| v as i32), height_m);
+                assert!((found(-0.01)..=found(0.01)).contains(value), "{from:?} {distance_m}: {value}");
+            }
+            grown += usize::from(stored[3] > stored[0] && stored[0] > most[at]);
         }
-        assert!(far > 5, "some places are far from cloud");
+        assert!(grown > 5, "there is more cloud farther away");
     }
 }

@@ -82,6 +82,8 @@ fn deck(
     let variant = DeckVariant {
         several_charts: layer.layer.charts > 1,
         regions: layer.layer.regions > 0,
+        clumps: layer.layer.varied > 0.0,
+        leaps: !gpu.software,
         flashes: layer.layer.flashes > 0 || lit,
         light: layer.layer.encoding(),
         shaded: shade.is_some(),

@@ -16,6 +16,8 @@ pub struct Gpu {
     pub name: String,
     /// Format in which light is gathered.
     pub light_format: wgpu::TextureFormat,
+    /// Whether the adapter is a program: those run both sides of every branch.
+    pub software: bool,
     trouble: Arc<Mutex<Option<Fault>>>,
     instance: wgpu::Instance,
 }
@@ -34,6 +36,7 @@ impl Gpu {
         };
         let adapter = pollster::block_on(instance.request_adapter(&options)).map_err(|_| Fault::NoAdapter)?;
         let info = adapter.get_info();
+        let software = info.device_type == wgpu::DeviceType::Cpu;
         let name = format!("{} ({} {}, {:?})", info.name, info.driver, info.driver_info, info.backend);
         // 32-bit blending costs twice the bandwidth; exposed values fit f16 (see `BRIGHTEST` in common.wgsl).
         let light_format = wgpu::TextureFormat::Rgba16Float;
@@ -69,7 +72,7 @@ impl Gpu {
                 refused => Fault::Rejected(refused.to_string()),
             });
         }));
-        Ok(Self { device, queue, name, light_format, trouble, instance })
+        Ok(Self { device, queue, name, light_format, software, trouble, instance })
     }
 
     /// What has gone wrong, if anything: the device is of no more use then.

@@ -57,6 +57,8 @@ pub fn shaders() -> Vec<(&'static str, String)> {
 pub struct DeckVariant {
     pub several_charts: bool,
     pub regions: bool,
+    pub clumps: bool,
+    pub leaps: bool,
     pub flashes: bool,
     pub light: Encoding,
     pub shaded: bool,
@@ -65,12 +67,14 @@ pub struct DeckVariant {
 }
 
 impl DeckVariant {
-    fn constants(self) -> [(&'static str, f64); 7] {
+    fn constants(self) -> [(&'static str, f64); 9] {
         let flag = |on: bool| f64::from(u8::from(on));
         [
             ("SEVERAL_CHARTS", flag(self.several_charts)),
             ("SHADED", flag(self.shaded)),
             ("REGIONS", flag(self.regions)),
+            ("CLUMPS", flag(self.clumps)),
+            ("LEAPS", flag(self.leaps)),
             ("FLASHES", flag(self.flashes)),
             // Texels of four bytes and of four f16 are read alike.
             ("FLUX", if self.light.is_vector() { if self.light.in_bytes() { 2.0 } else { 1.0 } } else { 0.0 }),
@@ -78,6 +82,13 @@ impl DeckVariant {
             ("GLOW", flag(self.glow)),
         ]
     }
+}
+
+/// Which ways of a ray a walk takes: to its lowest point, and up from there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Ways {
+    pub falling: bool,
+    pub rising: bool,
 }
 
 /// What of the ground's shader a scene needs.
@@ -155,7 +166,7 @@ pub struct Pipelines {
     deck: HashMap<DeckVariant, wgpu::RenderPipeline>,
     march_module: wgpu::ShaderModule,
     march_pipeline_layout: wgpu::PipelineLayout,
-    march: HashMap<(DeckVariant, bool), wgpu::ComputePipeline>,
+    march: HashMap<(DeckVariant, Ways), wgpu::ComputePipeline>,
     pub nodes_layout: wgpu::BindGroupLayout,
     pub strokes_layout: wgpu::BindGroupLayout,
     pub glow_layout: wgpu::BindGroupLayout,
@@ -267,7 +278,14 @@ impl Pipelines {
     /// The veil's pipeline for what a layer needs.
     pub fn veil(&mut self, gpu: &Gpu, variant: DeckVariant) -> &wgpu::ComputePipeline {
         // Its light does not matter to what a cloud hides.
-        let variant = DeckVariant { flashes: false, glow: false, light: Encoding::Shares8, shaded: false, ..variant };
+        let variant = DeckVariant {
+            clumps: false,
+            flashes: false,
+            glow: false,
+            light: Encoding::Shares8,
+            shaded: false,
+            ..variant
+        };
         self.veil.entry(variant).or_insert_with(|| {
             let constants = variant.constants();
             let options = wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
@@ -306,7 +324,14 @@ impl Pipelines {
     /// The shadow pipeline for what a layer needs.
     pub fn shadow(&mut self, gpu: &Gpu, variant: DeckVariant) -> &wgpu::RenderPipeline {
         // Flashes and cities cast no shadow, nor does it matter how the layer is lit.
-        let variant = DeckVariant { flashes: false, glow: false, light: Encoding::Shares8, shaded: false, ..variant };
+        let variant = DeckVariant {
+            clumps: false,
+            flashes: false,
+            glow: false,
+            light: Encoding::Shares8,
+            shaded: false,
+            ..variant
+        };
         self.shadow.entry(variant).or_insert_with(|| {
             let target = Some(multiplied(super::shadow::FORMAT));
             let constants = variant.constants();
@@ -316,7 +341,14 @@ impl Pipelines {
 
     /// The same for the shade on a lower layer.
     pub fn shade(&mut self, gpu: &Gpu, variant: DeckVariant) -> &wgpu::RenderPipeline {
-        let variant = DeckVariant { flashes: false, glow: false, light: Encoding::Shares8, shaded: false, ..variant };
+        let variant = DeckVariant {
+            clumps: false,
+            flashes: false,
+            glow: false,
+            light: Encoding::Shares8,
+            shaded: false,
+            ..variant
+        };
         self.shade.entry(variant).or_insert_with(|| {
             let target = Some(multiplied(super::shadow::FORMAT));
             let constants = variant.constants();
@@ -333,11 +365,12 @@ impl Pipelines {
         })
     }
 
-    /// The walking form of it, for rays on the way down or on the way up.
-    pub fn march(&mut self, gpu: &Gpu, variant: DeckVariant, falling: bool) -> &wgpu::ComputePipeline {
-        self.march.entry((variant, falling)).or_insert_with(|| {
+    /// The walking form of it, for rays on the way down, on the way up, or both.
+    pub fn march(&mut self, gpu: &Gpu, variant: DeckVariant, ways: Ways) -> &wgpu::ComputePipeline {
+        self.march.entry((variant, ways)).or_insert_with(|| {
             let mut constants = variant.constants().to_vec();
-            constants.push(("FALLING", f64::from(u8::from(falling))));
+            let flag = |on: bool| f64::from(u8::from(on));
+            constants.extend([("FALLING", flag(ways.falling)), ("RISING", flag(ways.rising))]);
             let options = wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
             compute(gpu, "deck_march", &self.march_module, &self.march_pipeline_layout, options)
         })

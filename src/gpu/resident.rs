@@ -8,8 +8,7 @@ use super::relief::Grids;
 use super::relight::Fields;
 use super::textures::{empty, filled};
 use crate::clouds::density::{self, DensityVolume};
-use crate::clouds::{CloudKind, detail, modulation};
-use crate::passes::deck::field::{BOUNDS_WIDTH, empty_space};
+use crate::clouds::{CloudKind, clearance, detail, modulation};
 use crate::passes::deck::glow::{self, CityGlow, GlowWindow};
 use crate::passes::light::volume::Volume;
 use crate::passes::light::{Light, library};
@@ -26,7 +25,7 @@ use std::sync::Arc;
 /// Light volumes kept at once (2 MiB for each theta in 8 bits), or as many as one picture needs.
 pub const VOLUMES_KEPT: usize = 4;
 
-/// A genus's shape values, their bounds by column and the distances to the nearest cloud.
+/// A genus's shape values, and how far its places are from cloud.
 #[derive(Clone)]
 pub struct Shape {
     pub values: wgpu::TextureView,
@@ -207,10 +206,9 @@ impl Resident {
     pub fn shape(&mut self, gpu: &Gpu, kind: CloudKind) -> Shape {
         let at = self.shapes.iter().position(|(k, _)| *k == kind).unwrap_or_else(|| {
             let shape = &DensityVolume::of(kind).shape;
-            let (b, table) = (BOUNDS_WIDTH as u32, empty_space(kind));
-            let byte = wgpu::TextureFormat::R8Unorm;
             let values = shape_values(gpu, shape);
-            let bounds = filled(gpu, "bounds", byte, [b, b, table.len() as u32 / (b * b)], &table);
+            let size = [clearance::WIDTH as u32, clearance::WIDTH as u32, clearance::HEIGHT as u32];
+            let bounds = filled(gpu, "bounds", wgpu::TextureFormat::Rgba8Unorm, size, &clearance::of(kind));
             self.shapes.push_back((kind, Shape { values, bounds }));
             self.shapes.len() - 1
         });

@@ -280,15 +280,15 @@ fn both_forms_of_the_deck_give_the_same_picture() {
 fn a_wrong_shader_is_noticed() {
     let mut gpu = gpu();
     for (module, right, wrong) in [
-        ("march", "seen.light = source(", "seen.light = 1.1 * source("),
+        ("march", "walked.light += source(", "walked.light += 1.1 * source("),
         ("march", "let depth = layer.extinction_per_m", "let depth = 0.7 * layer.extinction_per_m"),
         ("march", "mix(at, end, seen_share(", "mix(at, end, 0.3 * seen_share("),
-        ("march", "transmittance = 1.0 - nearer.a", "transmittance = 0.9 - nearer.a"),
+        ("march", "rising, 1.0 - nearer.a", "rising, 0.9 - nearer.a"),
         ("march", "left *= exp(-layer.relief_depth", "left *= exp(layer.relief_depth"),
         ("march", "1.0 + share * clumps(", "1.0 - share * clumps("),
         ("march", "air_before_clouds(direction) * hidden", "endless_air(air_along(direction)) * hidden"),
         ("march", "-CLUMP_SHADE * near", "CLUMP_SHADE * near"),
-        ("deck", "seen.light = source(", "seen.light = 1.1 * source("),
+        ("deck", "walked.light += source(", "walked.light += 1.1 * source("),
         ("cull", ".a < 1.0 - OPAQUE", ".a < -1.0"),
         ("ground", "seen = lit * made.albedo * 0.31830987", "seen = lit * made.albedo * 0.36"),
         ("relief", "found.x * HEIGHT_UNIT_M", "found.x * (0.97 * HEIGHT_UNIT_M)"),

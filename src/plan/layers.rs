@@ -7,11 +7,10 @@ use super::regions::NearRegion;
 use super::relight::Bare;
 use super::{LayerPlan, PassNote};
 use crate::clouds::coverage::Coverage;
-use crate::clouds::{CloudKind, density, modulation, slices};
+use crate::clouds::{CloudKind, clearance, density, modulation, slices};
 use crate::geo::charts::weights;
 use crate::passes::common::Chart;
 use crate::passes::deck::clumps::VARIED_M;
-use crate::passes::deck::field::CLEAR;
 use crate::passes::deck::twin::OPAQUE;
 use crate::passes::deck::{FLASHES, Flash, Layer};
 use crate::passes::light::encoding::Encoding;
@@ -180,8 +179,8 @@ impl Context<'_> {
             reach_m: 0.3 * density::TILE_M / look.elements[0].max(look.elements[1]) as f32 / scale,
             step_m: (1_200.0 / quality.slices as f32).max(4.0),
             hidden_below: OPAQUE,
-            clear_below: CLEAR,
-            clear_share: CLEAR_SHARE / scale * (scale * state.thickness_m as f32 / look.usual_thickness_m).min(1.0),
+            clear_rise: clearance::STRETCH * look.usual_thickness_m / (scale * state.thickness_m as f32),
+            clear_share: CLEAR_SHARE / scale,
             theta_slope_per_m: threshold.patchiness * modulation::steepest_per_m(),
             light_low: nodes.theta(0),
             light_per_theta: 1.0 / nodes.step,

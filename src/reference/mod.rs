@@ -149,7 +149,7 @@ impl ReferenceExecutor {
             .layers
             .iter()
             .enumerate()
-            .map(|(i, layer)| Prepared::new(&layer.layer, layer.slices, textures(i)).lit_by(&fields))
+            .map(|(i, layer)| Prepared::new(&layer.layer, textures(i)).lit_by(&fields))
             .collect();
         let shadows = plan.shadow.as_ref().map_or(&[][..], |shadow| &shadow.casters);
         let tables = self.shadows(plan, shadows);

@@ -77,7 +77,7 @@ fn opacities(plan: &FramePlan) -> Vec<f32> {
                 shade: None,
                 glow: None,
             };
-            Prepared::new(&layer.layer, layer.slices, textures)
+            Prepared::new(&layer.layer, textures)
         })
         .collect();
     images::deck(plan, &table, &layers, None).texels.iter().map(|texel| texel.w).collect()

@@ -71,7 +71,6 @@ fn plain(mut plan: FramePlan) -> FramePlan {
     for layer in &mut plan.layers {
         layer.layer.reach_m = 0.0;
         layer.layer.hidden_below = 0.0;
-        layer.layer.clear_below = -1e9;
         layer.layer.clear_share = 0.0;
     }
     plan

@@ -44,6 +44,29 @@ fn deck_vertex(
     return out;
 }
 
+// Whether rings carry the ray at a range; slabs carry what follows.
+fn carried(up: f32, flat_share: f32, t: f32) -> bool {
+    let r = camera.earth_m + camera.eye_m;
+    let sine = max(abs((r * up + t) / (camera.earth_m + height_at(up, t))), 1e-4);
+    let slice_ds = layer.spacing_m / sine;
+    return slice_ds > t * RING_SHARE + RING_SLICES * layer.spacing_m && t * flat_share < layer.ring_last_m;
+}
+
+// The range between two at which slabs take over from rings.
+fn switch_between(up: f32, flat_share: f32, near_t: f32, far_t: f32) -> f32 {
+    var near = near_t;
+    var far = far_t;
+    for (var i = 0u; i < HALVINGS; i++) {
+        let middle = 0.5 * (near + far);
+        if carried(up, flat_share, middle) {
+            near = middle;
+        } else {
+            far = middle;
+        }
+    }
+    return 0.5 * (near + far);
+}
+
 // The piece of the pixel's ray that an instance stands for, as ranges; empty (far before near) where there is none.
 fn piece_of(kind_bits: u32, shells: vec4<f32>, up: f32, flat_share: f32) -> vec2<f32> {
     let r = camera.earth_m + camera.eye_m;
@@ -66,27 +89,25 @@ fn piece_of(kind_bits: u32, shells: vec4<f32>, up: f32, flat_share: f32) -> vec2
         near_t = select(t.y, t.x, falling);
         enters = near_t >= FAR;
     }
-    // Rings, and the first slab, begin no sooner than the ray enters the layer on this leg.
-    if !slab || enters {
-        var from_t = 0.0;
-        if falling {
-            let top = layer.base_m + layer.thickness_m;
-            if camera.eye_m > top {
-                from_t = crossings(up, top).x;
-            }
-        } else {
-            let begin = crossings(up, layer.base_m).y;
-            if begin < FAR && (camera.eye_m < layer.base_m || up < 0.0) {
-                from_t = begin;
-            } else if slab {
-                from_t = lowest_t;
-            } else if camera.eye_m > layer.base_m + layer.thickness_m {
-                // A ring's piece may hold the point where the ray turns inside the layer.
-                from_t = crossings(up, layer.base_m + layer.thickness_m).x;
-            }
+    // No piece begins sooner than the ray enters the layer on this leg.
+    var from_t = 0.0;
+    if falling {
+        let top = layer.base_m + layer.thickness_m;
+        if camera.eye_m > top {
+            from_t = crossings(up, top).x;
         }
-        near_t = select(max(near_t, from_t), from_t, enters);
+    } else {
+        let begin = crossings(up, layer.base_m).y;
+        if begin < FAR && (camera.eye_m < layer.base_m || up < 0.0) {
+            from_t = begin;
+        } else if slab {
+            from_t = lowest_t;
+        } else if camera.eye_m > layer.base_m + layer.thickness_m {
+            // A ring's piece may hold the point where the ray turns inside the layer.
+            from_t = crossings(up, layer.base_m + layer.thickness_m).x;
+        }
     }
+    near_t = select(max(near_t, from_t), from_t, enters);
     // Not met at all; falling though the ray rises; behind the ground, which only falling rays meet.
     let missed = far_t >= FAR || near_t >= far_t || (falling && up >= 0.0)
         || (up < 0.0 && far_t > crossings(up, 0.0).x);
@@ -99,11 +120,17 @@ fn piece_of(kind_bits: u32, shells: vec4<f32>, up: f32, flat_share: f32) -> vec2
     if (slab && last) || (!slab && !first) {
         return vec2<f32>(0.0, -1.0);
     }
+    // Whether the layer's own end is the piece's.
+    let leaves = select(layer.base_m + layer.thickness_m, layer.base_m, falling);
+    var whole = kind == 1u || (slab && abs(shells.y - leaves) < 0.01 * layer.spacing_m);
     if first && !last {
         let switched = switch_between(up, flat_share, near_t, far_t);
-        return vec2<f32>(select(near_t, switched, slab), select(switched, far_t, slab));
+        near_t = select(near_t, switched, slab);
+        far_t = select(switched, far_t, slab);
+        whole = whole && slab;
     }
-    return vec2<f32>(near_t, far_t);
+    // Pieces join at rungs, where all looks stand.
+    return vec2<f32>(max(rung_before(near_t), from_t), select(max(rung_before(far_t), from_t), far_t, whole));
 }
 
 @fragment
@@ -111,45 +138,6 @@ fn deck_fragment(in: Passed) -> @location(0) vec4<f32> {
     let direction = ray_of(in.position.xy);
     let flat_share = sqrt(max(1.0 - direction.z * direction.z, 0.0));
     let piece = piece_of(in.kind, in.shells, direction.z, flat_share);
-    let far_t = piece.y;
-    // No return stands before the loop: lavapipe lets a loop run to its end for pixels that have returned.
-    var going = far_t > piece.x;
-    var at = piece.x;
-    var near = -1.0;
-    var beyond = 0.0;
-    // Where a straight line between two looks enters a cloud; 0: not known.
-    var edge = 0.0;
-    if going {
-        let first = look(direction, at, shortest_step(at));
-        near = first.margin;
-        beyond = first.beyond;
-    }
-    let view = view_of(direction);
-    var light = vec3<f32>(0.0);
-    var hidden = 0.0;
-    var transmittance = 1.0;
-    for (var i = 0u; going && i < MOST_LOOKS; i++) {
-        let end = select(min(far_t, next_look(at, beyond)), edge, edge > at);
-        let found = look(direction, end, shortest_step(end));
-        let far = found.margin;
-        if near < 0.0 && far > 0.0 && went_far(at, end) {
-            // A long step that ends inside the cloud went too far: its edge is looked for.
-            beyond *= RETREAT;
-        } else if near < 0.0 && far > 0.0 && edge == 0.0 && end - at > EDGE_STEP_M {
-            // A long step that enters a cloud ends at its edge first, or stripes would show where the looks stood.
-            edge = at + (end - at) * (near / (near - far));
-        } else {
-            // Where it lies a little further than expected, once is enough.
-            edge = select(edge, 0.0, edge < end || far > 0.0);
-            let seen = seen_between(view, near, far, at, end);
-            light += seen.light * transmittance;
-            hidden += seen.hidden * transmittance;
-            transmittance *= 1.0 - seen.alpha;
-            going = transmittance >= layer.hidden_below && end < far_t;
-            near = far;
-            at = end;
-            beyond = found.beyond;
-        }
-    }
-    return exposed(direction, light, hidden, 1.0 - transmittance);
+    let walked = walk(direction, piece, vec2<f32>(0.0), 1.0);
+    return exposed(direction, walked.light, walked.hidden, 1.0 - walked.transmittance);
 }

@@ -19,8 +19,8 @@ pub struct Textures<'a> {
     pub shape: &'a [u8],
     /// One light volume a chart in use.
     pub lights: &'a [&'a Volume],
-    /// Upper bounds of the shape value by column (see [`column_bounds`]); behind them, where looks go far at once, the table of
-    /// `clouds::clearance` (see [`empty_space`]).
+    /// Upper bounds of the shape value by column (see [`column_bounds`]); behind them, for walks, the table of `clouds::clearance`
+    /// (see [`empty_space`]).
     pub bounds: &'a [u8],
     /// The 2D modulation map.
     pub map: &'a [u8],
@@ -39,9 +39,8 @@ impl<'a> Textures<'a> {
     }
 }
 
-/// A bound below this need not be followed up by a look: no neighbour within a step is cloud, so that it matters to nobody
-/// that it is a bound and not the value.
-pub const CLEAR: f32 = -0.25;
+/// A bound below this need not be followed up by a look.
+const CLEAR: f32 = -0.25;
 /// A chart's weight from which on the others are not asked.
 const ALONE: f32 = 0.999_9;
 
@@ -49,7 +48,18 @@ const ALONE: f32 = 0.999_9;
 /// on. Where there is certainly none, an upper bound. `p`: east, north, height over the tangent plane; `height_m` over the
 /// sphere; `t_m` its range from the eye.
 pub fn margin(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_m: f32, t_m: f32) -> f32 {
-    look(layer, textures, earth_m, p, height_m, t_m, f32::INFINITY).margin
+    look(layer, textures, earth_m, p, height_m, &Step { t_m, length_m: f32::INFINITY, sine: 0.0 }).margin
+}
+
+/// Where on its ray a look stands.
+#[derive(Clone, Copy, Debug)]
+pub struct Step {
+    /// Range from the eye, m.
+    pub t_m: f32,
+    /// Length of the step that comes next, m.
+    pub length_m: f32,
+    /// Sine of the ray's elevation there.
+    pub sine: f32,
 }
 
 /// What a look finds.
@@ -61,8 +71,9 @@ pub struct Look {
     pub beyond_m: f32,
 }
 
-/// As [`margin`] for a walk whose next step is `step_m` long: where cloud is further away than that, nothing else is read.
-pub fn look(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_m: f32, t_m: f32, step_m: f32) -> Look {
+/// As [`margin`] for a walk: where cloud is further away than the next step, nothing else is read.
+pub fn look(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_m: f32, step: &Step) -> Look {
+    let Step { t_m, length_m: step_m, sine } = *step;
     let radius = earth_m + height_m;
     let z = stereographic(p, earth_m, radius);
     let shift = region_shift(layer, z);
@@ -73,30 +84,31 @@ pub fn look(layer: &Layer, textures: &Textures, earth_m: f32, p: Vec3, height_m:
     let share = (height_m - layer.base_m) / layer.thickness_m;
     let heaped = heaped(layer, t_m);
     let weights = chart_weights(&layer.chart, layer.charts, p + Vec3::new(0.0, 0.0, earth_m), radius);
-    // Where one chart rules the column's bound tells most empty places before anything else is read.
-    let bounded = weights.iter().any(|weight| *weight > ALONE);
-    let mut sum = 0.0;
-    for (chart, weight) in layer.chart.iter().zip(weights).filter(|(_, weight)| *weight > 0.0) {
+    let by_chart = |chart: &Chart| {
         let moved = chart.displacement(z);
-        let tile = chart.tile(moved);
-        let most = bound(textures.bounds, tile) + heaped - layer.theta - shift;
-        if bounded && most < layer.clear_below {
-            return found(most);
-        }
         let map = Vec2::from(chart.map_origin) + modulation::coordinates(moved);
         let above = layer.patchiness * map_repeat(textures.map, modulation::WIDTH, map.x, map.y);
-        if bounded && most - above < layer.clear_below {
-            return found(most - above);
-        }
+        (chart.tile(moved), layer.theta + above)
+    };
+    let ruled = layer.chart.iter().zip(weights).find(|(_, weight)| *weight > ALONE).map(|(chart, _)| by_chart(chart));
+    if let Some((tile, theta)) = ruled {
         // Where regions begin theta falls faster than by the map.
-        if bounded && weight > ALONE && shift == 0.0 {
-            let clear_m = clear_m(layer, textures.bounds, tile, share, layer.theta + above - heaped);
-            if clear_m > step_m {
-                return Look { margin: -1.0, beyond_m: clear_m - step_m };
-            }
+        let clear_m =
+            if shift == 0.0 { clear_m(layer, textures.bounds, tile, share, theta - heaped, sine) } else { 0.0 };
+        if clear_m > step_m {
+            return Look { margin: -1.0, beyond_m: clear_m - step_m };
         }
+        // Who asks for a place alone need not follow up what no column there reaches.
+        let most = bound(textures.bounds, tile) + heaped - theta - shift;
+        if step_m.is_infinite() && most < CLEAR {
+            return found(most);
+        }
+    }
+    let mut sum = 0.0;
+    for (chart, weight) in layer.chart.iter().zip(weights).filter(|(_, weight)| *weight > 0.0) {
+        let (tile, theta) = ruled.filter(|_| weight > ALONE).unwrap_or_else(|| by_chart(chart));
         let value = volume_byte(textures.shape, density::WIDTH, density::HEIGHT, false, [tile.x, tile.y, share]);
-        sum += weight * (value - layer.theta - above - shift);
+        sum += weight * (value - theta - shift);
     }
     if t_m < layer.detail_fade_m[1] && sum > -heaped && sum < layer.detail + 1.0 / layer.inverse_edge {
         sum += layer.detail * detail_fade(layer, t_m) * fine(layer, textures, z, height_m, 1.0);
@@ -124,19 +136,21 @@ pub(super) fn fine(layer: &Layer, textures: &Textures, z: Vec2, height_m: f32, t
     volume_byte(textures.detail, detail::WIDTH, detail::WIDTH, true, at.map(|v| v * times)) - detail::MEAN
 }
 
-/// How far away the nearest cloud is at least, by the table behind the column bounds, for theta less what detail adds, m; 0 where
+/// How far along a ray there is surely no cloud, by the table behind the column bounds, for theta less what detail adds, m; 0 where
 /// it does not say.
-fn clear_m(layer: &Layer, bounds: &[u8], tile: Vec2, share: f32, lowered: f32) -> f32 {
-    // A theta some way below this one: it may fall by the difference before its distances are wrong.
-    let node = (lowered * (1.0 / clearance::THETA_STEP) - 0.5).floor().min((clearance::THETAS - 1) as f32);
-    if node < 0.0 || layer.clear_share == 0.0 {
-        return 0.0;
-    }
+fn clear_m(layer: &Layer, bounds: &[u8], tile: Vec2, share: f32, lowered: f32, sine: f32) -> f32 {
     let height = ((share * clearance::HEIGHT as f32) as usize).min(clearance::HEIGHT - 1);
-    let at = BOUNDS_WIDTH * BOUNDS_WIDTH * (1 + height + clearance::HEIGHT * node as usize);
-    let Some(stored) = bounds.get(at + cell(tile)) else { return 0.0 };
-    let distance_m = f32::from(*stored) * (clearance::UNIT_M * layer.clear_share);
-    distance_m.min((lowered - node * clearance::THETA_STEP) / layer.theta_slope_per_m.max(1e-9))
+    let count = clearance::DISTANCES_M.len();
+    let at = BOUNDS_WIDTH * BOUNDS_WIDTH + count * (cell(tile) + BOUNDS_WIDTH * BOUNDS_WIDTH * height);
+    let Some(stored) = bounds.get(at..at + count) else { return 0.0 };
+    let pace = (1.0 + (layer.clear_rise * layer.clear_rise - 1.0) * sine * sine).sqrt();
+    let far_m = clearance::DISTANCES_M.map(|distance_m| distance_m * (layer.clear_share / pace));
+    // On the way theta may fall.
+    let free = stored
+        .iter()
+        .zip(far_m)
+        .filter(|(most, far_m)| f32::from(**most) * (1.0 / 255.0) + layer.theta_slope_per_m * far_m < lowered);
+    free.map(|(_, far_m)| far_m).fold(0.0, f32::max)
 }
 
 /// Light as stored (see `light::encoding`) at a point of a layer and its height over the sphere, for the theta that rules
@@ -302,7 +316,7 @@ pub fn column_bounds(shape: &[u8]) -> Vec<u8> {
         .collect()
 }
 
-/// The bounds by column of a genus and behind them its distances to the nearest cloud.
+/// The bounds by column of a genus and behind them how far its places are from cloud.
 pub fn empty_space(kind: CloudKind) -> Vec<u8> {
     let mut table = column_bounds(&density::DensityVolume::of(kind).shape);
     table.extend_from_slice(&clearance::of(kind));

@@ -37,7 +37,7 @@ struct Layer {
     reach_m: f32,
     step_m: f32,
     hidden_below: f32,
-    clear_below: f32,
+    clear_rise: f32,
     clear_share: f32,
     theta_slope_per_m: f32,
     light_low: f32,
@@ -65,6 +65,9 @@ struct Layer {
 // What a scene does not need is not in its pipeline.
 override SEVERAL_CHARTS: bool = true;
 override REGIONS: bool = true;
+override CLUMPS: bool = true;
+// Whether empty space is looked up: not on software adapters, which read the shape all the same.
+override LEAPS: bool = true;
 
 const DETAIL_MEAN: f32 = 0.62;
 const MOST_LOOKS: u32 = 4096u;
@@ -72,10 +75,8 @@ const STEP_PIXELS: f32 = 3.5;
 const STEP_GROWTH: vec2<f32> = vec2<f32>(0.004, 0.025);
 const RETREAT: f32 = 0.25;
 const EDGE_STEP_M: f32 = 90.0;
-const CLEAR_HEIGHT: f32 = 8.0;
-const CLEAR_THETAS: f32 = 12.0;
-const CLEAR_THETA_STEP: f32 = 0.08;
-const CLEAR_UNIT_M: f32 = 8.0;
+const CLEAR_HEIGHT: f32 = 16.0;
+const CLEAR_M: vec4<f32> = vec4<f32>(250.0, 500.0, 1000.0, 2000.0);
 const VARIED_M: vec2<f32> = vec2<f32>(150.0, 600.0);
 const CLUMP_RUNGS: f32 = 3.0;
 const LEAST_VARIED: f32 = 0.1;
@@ -90,7 +91,7 @@ const RING_SLICES: f32 = 6.0;
 @group(1) @binding(2) var light0: texture_3d<f32>;
 @group(1) @binding(3) var light1: texture_3d<f32>;
 @group(1) @binding(4) var light2: texture_3d<f32>;
-// Bounds of the columns; above them distances to the nearest cloud, as in clouds::clearance.
+// The greatest shape value nearer than four distances, as in clouds::clearance.
 @group(1) @binding(5) var bounds: texture_3d<f32>;
 @group(1) @binding(6) var detail: texture_3d<f32>;
 @group(1) @binding(7) var tiled: sampler;
@@ -130,21 +131,15 @@ fn cell_of(tile: vec2<f32>) -> vec2<u32> {
     return vec2<u32>((tile - floor(tile)) * 128.0) & vec2<u32>(127u);
 }
 
-fn bound_at(tile: vec2<f32>) -> f32 {
-    return textureLoad(bounds, vec3<u32>(cell_of(tile), 0u), 0).r;
-}
-
-// How far away the nearest cloud is at least, for theta less what detail adds; 0 where the table does not say.
-fn clear_m(tile: vec2<f32>, share: f32, lowered: f32) -> f32 {
-    // A theta some way below this one: it may fall by the difference before its distances are wrong.
-    let node = min(floor(lowered * (1.0 / CLEAR_THETA_STEP) - 0.5), CLEAR_THETAS - 1.0);
-    if node < 0.0 || layer.clear_share == 0.0 {
-        return 0.0;
-    }
+// How far along a ray there is surely no cloud, for theta less what detail adds; 0 where the table does not say.
+fn clear_m(tile: vec2<f32>, share: f32, lowered: f32, sine: f32) -> f32 {
     let height = clamp(floor(share * CLEAR_HEIGHT), 0.0, CLEAR_HEIGHT - 1.0);
-    let at = vec3<u32>(cell_of(tile), u32(1.0 + height + CLEAR_HEIGHT * node));
-    let distance = textureLoad(bounds, at, 0).r * (255.0 * CLEAR_UNIT_M * layer.clear_share);
-    return min(distance, (lowered - node * CLEAR_THETA_STEP) / max(layer.theta_slope_per_m, 1e-9));
+    let most = textureLoad(bounds, vec3<u32>(cell_of(tile), u32(height)), 0);
+    let pace = sqrt(1.0 + (layer.clear_rise * layer.clear_rise - 1.0) * sine * sine);
+    let far = CLEAR_M * (layer.clear_share / pace);
+    // On the way theta may fall.
+    let free = select(vec4<f32>(0.0), far, most + layer.theta_slope_per_m * far < vec4<f32>(lowered));
+    return max(max(free.x, free.y), max(free.z, free.w));
 }
 
 // What is left of the detail at a range.
@@ -171,6 +166,9 @@ fn fine(z: vec2<f32>, height: f32) -> f32 {
 
 // How much of density's variation inside the cloud is left at a range.
 fn variation(t: f32) -> f32 {
+    if !CLUMPS {
+        return 0.0;
+    }
     return select(0.0, layer.varied * (1.0 - smoothstep(VARIED_M.x, VARIED_M.y, t)), t < VARIED_M.y);
 }
 
@@ -217,86 +215,113 @@ fn raised_at(chart: u32, moved: vec2<f32>) -> f32 {
     return layer.patchiness * textureSampleLevel(map, repeated, layer.chart[chart].map_origin + map_coordinates(moved), 0.0).r;
 }
 
-// What a look finds: the margin of the shape value over theta, cloud where positive (where there is certainly none, any value
-// below 0), and how far beyond the next step there is surely no cloud, or hardly any.
-struct Look {
-    margin: f32,
+// A place that a walk looks at, and whether there is certainly no cloud: then no more is read.
+struct Place {
+    empty: bool,
+    // Where it is empty, how far beyond the next step there is surely no cloud.
     beyond: f32,
+    z: vec2<f32>,
+    height: f32,
+    // Share of the layer's height.
+    share: f32,
+    // In the tile of the chart that rules there, and theta.
+    tile: vec2<f32>,
+    theta: f32,
+    // What regions raise theta by, and the charts' weights.
+    shift: f32,
+    weights: vec3<f32>,
 }
 
-// A look by one chart, `alone` where no other has weight: then an upper bound where there is certainly no cloud, and `clear`
-// where it is further away than a step.
-struct Found {
-    margin: f32,
-    clear: f32,
+// The chart of greatest weight.
+fn ruling(weights: vec3<f32>) -> u32 {
+    let best = max(weights.x, max(weights.y, weights.z));
+    return select(select(2u, 1u, weights.y >= best), 0u, weights.x >= best);
 }
 
-fn found_by(chart: u32, z: vec2<f32>, share: f32, shift: f32, alone: bool, step: f32, heaped: f32) -> Found {
-    let moved = displacement(layer.chart[chart].a, layer.chart[chart].c, z);
-    let tile = tile_at(chart, moved);
-    var found = Found(bound_at(tile) + heaped - layer.theta - shift, 0.0);
-    if found.margin >= layer.clear_below || !alone {
-        let raised = raised_at(chart, moved);
-        found.margin -= raised;
-        if found.margin >= layer.clear_below || !alone {
-            // Where regions begin theta falls faster than by the map.
-            if alone && shift == 0.0 {
-                found.clear = clear_m(tile, share, layer.theta + raised - heaped);
-            }
-            if found.clear > step {
-                found.margin = -1.0;
-            } else {
-                found = Found(shape_at(vec3<f32>(tile, share)) - (layer.theta + raised + shift), 0.0);
-            }
-        }
+// A place in the tile of a chart, and what its map adds to theta. An index that is a constant is read once for all pixels, so all
+// charts are read.
+struct Charted {
+    tile: vec2<f32>,
+    raised: f32,
+}
+
+fn charted(chart: u32, z: vec2<f32>) -> Charted {
+    if !SEVERAL_CHARTS {
+        let moved = displacement(layer.chart[0].a, layer.chart[0].c, z);
+        return Charted(tile_at(0u, moved), raised_at(0u, moved));
     }
-    return found;
+    let first = chart == 0u;
+    let second = chart == 1u;
+    let a = select(select(layer.chart[2].a, layer.chart[1].a, second), layer.chart[0].a, first);
+    let c = select(select(layer.chart[2].c, layer.chart[1].c, second), layer.chart[0].c, first);
+    let origin = select(select(layer.chart[2].tile_origin_m, layer.chart[1].tile_origin_m, second), layer.chart[0].tile_origin_m, first);
+    let warp = select(select(layer.chart[2].warp, layer.chart[1].warp, second), layer.chart[0].warp, first);
+    let map_origin = select(select(layer.chart[2].map_origin, layer.chart[1].map_origin, second), layer.chart[0].map_origin, first);
+    let moved = displacement(a, c, z);
+    let raised = layer.patchiness * textureSampleLevel(map, repeated, map_origin + map_coordinates(moved), 0.0).r;
+    return Charted(tile_of(origin, warp, moved), raised);
 }
 
-// A look whose next step is `step` long: where cloud is further away than that, nothing else is read.
-fn look(direction: vec3<f32>, t: f32, step: f32) -> Look {
+// Looks at a place whose next step is `step` long.
+fn place_at(direction: vec3<f32>, t: f32, step: f32) -> Place {
     let p = direction * t + vec3<f32>(0.0, 0.0, camera.eye_m);
-    let height = height_at(direction.z, t);
-    let radius = camera.earth_m + height;
-    let z = stereographic(p, radius);
-    var shift = 0.0;
+    var place: Place;
+    place.height = height_at(direction.z, t);
+    let radius = camera.earth_m + place.height;
+    place.z = stereographic(p, radius);
+    place.share = (place.height - layer.base_m) / layer.thickness_m;
     if REGIONS {
-        shift = region_shift(z);
-        if shift >= 1.0 {
-            return Look(-1.0, layer.reach_m);
-        }
+        place.shift = region_shift(place.z);
     }
-    let share = (height - layer.base_m) / layer.thickness_m;
-    let most = heaped(t);
-    var sum = 0.0;
-    var clear = 0.0;
+    var chart = 0u;
+    var alone = true;
     if SEVERAL_CHARTS {
-        let weights = chart_weights((p + vec3<f32>(0.0, 0.0, camera.earth_m)) / radius);
-        if weights.x > 0.0 {
-            let found = found_by(0u, z, share, shift, weights.x > ALONE, step, most);
-            sum += weights.x * found.margin;
-            clear += found.clear;
-        }
-        if weights.y > 0.0 {
-            let found = found_by(1u, z, share, shift, weights.y > ALONE, step, most);
-            sum += weights.y * found.margin;
-            clear += found.clear;
-        }
-        if weights.z > 0.0 {
-            let found = found_by(2u, z, share, shift, weights.z > ALONE, step, most);
-            sum += weights.z * found.margin;
-            clear += found.clear;
+        place.weights = chart_weights((p + vec3<f32>(0.0, 0.0, camera.earth_m)) / radius);
+        chart = ruling(place.weights);
+        alone = max(place.weights.x, max(place.weights.y, place.weights.z)) > ALONE;
+    }
+    let there = charted(chart, place.z);
+    place.tile = there.tile;
+    place.theta = layer.theta + there.raised + place.shift;
+    var clear = 0.0;
+    // Where regions begin theta falls faster than by the map.
+    if LEAPS && alone && place.shift == 0.0 {
+        let sine = ((camera.earth_m + camera.eye_m) * direction.z + t) / radius;
+        clear = clear_m(there.tile, place.share, place.theta - heaped(t), sine);
+    }
+    place.empty = clear > step;
+    place.beyond = clear - step;
+    if REGIONS && place.shift >= 1.0 {
+        place.empty = true;
+        place.beyond = layer.reach_m;
+    }
+    return place;
+}
+
+// The margin of the shape value over theta at a place that is not known to be empty: cloud where positive.
+fn margin_at(place: Place, t: f32) -> f32 {
+    var sum = 0.0;
+    if SEVERAL_CHARTS {
+        var left = place.weights;
+        // Nearly everywhere one.
+        while max(left.x, max(left.y, left.z)) > 0.0 {
+            let chart = ruling(left);
+            let there = charted(chart, place.z);
+            let theta = layer.theta + there.raised + place.shift;
+            sum += max(left.x, max(left.y, left.z)) * (shape_at(vec3<f32>(there.tile, place.share)) - theta);
+            left = select(left, vec3<f32>(0.0), vec3<u32>(0u, 1u, 2u) == vec3<u32>(chart));
         }
     } else {
-        let found = found_by(0u, z, share, shift, true, step, most);
-        sum = found.margin;
-        clear = found.clear;
-    }
-    if clear > step {
-        return Look(-1.0, clear - step);
+        sum = shape_at(vec3<f32>(place.tile, place.share)) - place.theta;
     }
     if near_edge(sum, t) {
-        sum += layer.detail * detail_fade(t) * fine(z, height);
+        sum += layer.detail * detail_fade(t) * fine(place.z, place.height);
     }
-    return Look(sum, layer.reach_m * max(-sum, 0.0));
+    return sum;
+}
+
+// The margin at a range; any value below 0 where there is certainly no cloud.
+fn margin_along(direction: vec3<f32>, t: f32) -> f32 {
+    let place = place_at(direction, t, FAR);
+    return select(margin_at(place, t), -1.0, place.empty);
 }

@@ -6,8 +6,7 @@
 //! the point where the ray touches it, and beyond rising; these far parts are drawn after everything else of their layer
 //! and of the layers below.
 
-use super::twin::{ring_radius, rings_carry};
-use super::{CAP, DOWN, Instance, Layer, RING, SLAB};
+use super::{CAP, DOWN, Instance, Layer, RING, RING_SHARE, RING_SLICES, SLAB};
 use crate::clouds::slices;
 
 /// Instances of one layer, near to far.
@@ -158,4 +157,16 @@ impl View<'_> {
         let r = self.earth_m + height_m;
         height_m - distance_m * distance_m / ((r * r - distance_m * distance_m).max(0.0).sqrt() + r)
     }
+}
+
+/// Radius of ring `k`; the last one lies at the layer's `ring_last_m`.
+fn ring_radius(layer: &Layer, k: i32) -> Option<f32> {
+    let radius = |k: i32| layer.ring_first_m * layer.ring_ratio.powi(k);
+    (k == 0 || radius(k - 1) < layer.ring_last_m).then(|| radius(k).min(layer.ring_last_m))
+}
+
+/// Whether rings carry a ray at range `t` and horizontal distance `distance`, where it meets a slice every `slice_ds`:
+/// where that is long against the range. Along a ray rings come first, then slabs.
+fn rings_carry(layer: &Layer, slice_ds: f32, t: f32, distance: f32) -> bool {
+    slice_ds > t * RING_SHARE + RING_SLICES * layer.spacing_m && distance < layer.ring_last_m
 }

@@ -1,9 +1,9 @@
 //! The deck: layered volumetric cloud between slices and rings around the eye (deck paper 4 and 5).
 //!
-//! A ray is cut into pieces by rings and by shells between slices; inside a piece steps follow the distance to the cloud's
-//! edge. A GPU has two forms of it: `deck.wgsl` draws the pieces as instances of one small mesh, near to far, where the mesh
-//! only says which pixels are met and in what order; `march.wgsl` walks them pixel by pixel in a compute pass. `field.wgsl`
-//! stands before both. The twin walks the same pieces ray by ray and stops when nothing more can be seen.
+//! A ray is looked along on rungs counted from the eye, fewer where there is no cloud (`walk.wgsl`). A GPU has two forms of it:
+//! `deck.wgsl` cuts rays into pieces by rings and by shells between slices, at rungs, and draws them as instances of one small mesh, near
+//! to far, where the mesh only says which pixels are met and in what order; `march.wgsl` walks whole rays pixel by pixel in a
+//! compute pass. The twin walks them ray by ray. All stop when nothing more can be seen.
 
 pub mod clumps;
 pub mod field;
@@ -109,8 +109,8 @@ pub struct Layer {
     pub step_m: f32,
     /// Transmittance below which the walk ends: what is behind adds less than this share. 0: it never ends early.
     pub hidden_below: f32,
-    /// Bound of the margin below which a column is not looked into; below -0.2 no picture depends on it. Very low: all are.
-    pub clear_below: f32,
+    /// What a metre of height counts in a tabulated distance, against one along the ground.
+    pub clear_rise: f32,
     /// Share of a tabulated distance to the nearest cloud that a look may go at once (see `clouds::clearance`); 0: none.
     pub clear_share: f32,
     /// How much theta falls in a metre at most.

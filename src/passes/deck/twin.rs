@@ -1,10 +1,9 @@
-//! Twin of `march.wgsl` and `deck.wgsl`: walks the crossings of a ray with slices and rings from near to far.
+//! Twin of `walk.wgsl` and `march.wgsl`: walks the stretches of a ray that lie inside layers, from near to far.
 
 use super::clumps::{self, VARIED_M, varied};
-use super::field::{Look, Textures, city_glow, light_at, look, relieved, shown, source, view};
+use super::field::{Look, Step, Textures, city_glow, light_at, look, relieved, shown, source, view};
 use super::spans::{Heights, Leg};
-use super::{FLASH_COLOUR, Layer, RING_SHARE, RING_SLICES};
-use crate::clouds::slices::shells;
+use super::{FLASH_COLOUR, Layer};
 use crate::passes::common::Camera;
 use crate::passes::light::encoding::decode;
 use crate::passes::relight::{self, twin::scattered};
@@ -26,8 +25,6 @@ pub struct Gathered {
 pub struct Prepared<'a> {
     /// Parameters.
     pub layer: &'a Layer,
-    /// Heights of the shells between groups of slices over the sphere, lowest first.
-    pub slices: Vec<f32>,
     /// What its look-ups read.
     pub textures: Textures<'a>,
     /// Fields of flashes' light in the clouds, if any.
@@ -35,10 +32,9 @@ pub struct Prepared<'a> {
 }
 
 impl<'a> Prepared<'a> {
-    /// A layer with `slices` slices.
-    pub fn new(layer: &'a Layer, slices: u32, textures: Textures<'a>) -> Self {
-        let slices = shells(slices, layer.thickness_m).into_iter().map(|h| layer.base_m + h).collect();
-        Self { layer, slices, textures, lit: None }
+    /// A layer with what its look-ups read.
+    pub fn new(layer: &'a Layer, textures: Textures<'a>) -> Self {
+        Self { layer, textures, lit: None }
     }
 
     /// The same, lit by flashes' fields.
@@ -105,72 +101,19 @@ impl Ray<'_> {
         if from >= to {
             return;
         }
-        self.pieces(prepared, down, from, to, gathered);
+        self.stretch(prepared, from, to, gathered);
     }
 
-    /// Pieces between rings as far as these carry the ray, then pieces between slices.
-    fn pieces(&self, prepared: &Prepared, down: bool, from: f32, to: f32, gathered: &mut Gathered) {
+    /// What lies between two ranges, near to far, until nothing passes any more.
+    fn stretch(&self, prepared: &Prepared, from: f32, to: f32, gathered: &mut Gathered) {
         let layer = prepared.layer;
-        let switch = self.switch(layer, from, to);
-        let mut piece = End { t: from, found: None };
-        let flat = self.flat.max(1e-4);
-        let mut k = ((from * flat / layer.ring_first_m).max(1e-6).ln() / layer.ring_ratio.ln()).ceil().max(0.0) as i32;
-        while piece.t < switch {
-            let ring = ring_radius(layer, k).map_or(f32::INFINITY, |radius| radius / flat);
-            self.segment(prepared, &mut piece, ring.min(switch), gathered);
-            if gathered.transmittance < layer.hidden_below {
-                return;
-            }
-            k += 1;
-        }
-        let slices = &prepared.slices;
-        for i in 0..slices.len() {
-            let height = slices[if down { slices.len() - 1 - i } else { i }];
-            let (falling, rising) = self.camera.crossings(self.direction.z, height);
-            let t = if down { falling } else { rising };
-            // A slice that this leg does not meet is infinitely far.
-            if t.is_infinite() || t <= piece.t {
-                continue;
-            }
-            self.segment(prepared, &mut piece, t.min(to), gathered);
-            if gathered.transmittance < layer.hidden_below || t >= to {
-                return;
-            }
-        }
-        // A ray that turns inside the layer goes on from the last slice to its lowest point.
-        self.segment(prepared, &mut piece, to, gathered);
-    }
-
-    /// Range up to which rings carry this leg of the ray; slabs carry the rest.
-    fn switch(&self, layer: &Layer, from: f32, to: f32) -> f32 {
-        if !self.carried(layer, from) {
-            return from;
-        }
-        if self.carried(layer, to) {
-            return to;
-        }
-        let (mut near, mut far) = (from, to);
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (near + far);
-            if self.carried(layer, middle) { near = middle } else { far = middle }
-        }
-        0.5 * (near + far)
-    }
-
-    /// The piece of the ray from the end of the piece before to `t`.
-    fn segment(&self, prepared: &Prepared, piece: &mut End, t: f32, gathered: &mut Gathered) {
-        let layer = prepared.layer;
-        if t <= piece.t {
-            return;
-        }
         let steps = Steps::new(self.camera, layer);
-        let mut at = piece.t;
-        let first = piece.found.take().unwrap_or_else(|| self.look(prepared, at, steps.shortest_m(at)));
-        let (mut near, mut beyond) = (first.margin, first.beyond_m);
-        // Where a straight line between two looks enters a cloud; 0: not known.
-        let mut edge = 0.0;
+        let mut at = from;
+        let Look { margin: mut near, beyond_m: mut beyond } = self.look(prepared, at, steps.shortest_m(at));
+        // Where a straight line between two looks enters a cloud.
+        let mut edge: Option<f32> = None;
         for _ in 0..MOST_LOOKS {
-            let end = if edge > at { edge } else { t.min(steps.next_look(at, beyond)) };
+            let end = edge.filter(|edge| *edge > at).unwrap_or_else(|| to.min(steps.next_look(at, beyond)));
             let found = self.look(prepared, end, steps.shortest_m(end));
             let far = found.margin;
             // A long step that ends inside the cloud went too far: its edge is looked for.
@@ -179,41 +122,31 @@ impl Ray<'_> {
                 continue;
             }
             // A long step that enters a cloud ends at its edge first, or stripes would show where the looks stood.
-            if near < 0.0 && far > 0.0 && edge == 0.0 && end - at > EDGE_STEP_M {
-                edge = at + (end - at) * (near / (near - far));
+            if near < 0.0 && far > 0.0 && edge.is_none() && end - at > EDGE_STEP_M {
+                edge = Some(at + (end - at) * (near / (near - far)));
                 continue;
             }
             // Where it lies a little further than expected, once is enough.
-            if edge < end || far > 0.0 {
-                edge = 0.0;
-            }
+            edge = edge.filter(|edge| *edge >= end && far <= 0.0);
             let ends = [near, far].map(|margin| margin * layer.inverse_edge);
             let whole = mean_clamped(ends[0], ends[1]);
             if whole > 0.0 {
                 let share = seen_share(ends, layer.extinction_per_m * (end - at) * whole);
                 self.gather(prepared, at + (end - at) * share, (end - at) * whole, gathered);
             }
-            (near, beyond) = (far, found.beyond_m);
-            if gathered.transmittance < layer.hidden_below || end >= t {
+            if gathered.transmittance < layer.hidden_below || end >= to {
                 break;
             }
-            at = end;
+            (at, near, beyond) = (end, far, found.beyond_m);
         }
-        *piece = End { t, found: Some(Look { margin: near, beyond_m: beyond }) };
-    }
-
-    /// Whether rings carry the ray at a range.
-    fn carried(&self, layer: &Layer, t: f32) -> bool {
-        let height = self.camera.height_at(self.direction.z, t);
-        let r = self.camera.earth_m;
-        let sine = (((r + self.camera.eye_m) * self.direction.z + t) / (r + height)).abs().max(1e-4);
-        rings_carry(layer, layer.spacing_m / sine, t, t * self.flat)
     }
 
     fn look(&self, prepared: &Prepared, t: f32, step_m: f32) -> Look {
         let p = self.direction * t + Vec3::new(0.0, 0.0, self.camera.eye_m);
         let height = self.camera.height_at(self.direction.z, t);
-        look(prepared.layer, &prepared.textures, self.camera.earth_m, p, height, t, step_m)
+        let r = self.camera.earth_m;
+        let sine = ((r + self.camera.eye_m) * self.direction.z + t) / (r + height);
+        look(prepared.layer, &prepared.textures, r, p, height, &Step { t_m: t, length_m: step_m, sine })
     }
 
     /// Adds cloud of a given path length at full extinction, as it is lit at range `t`.
@@ -309,21 +242,6 @@ impl Steps {
 /// Share of a step by which a rung may lie beyond where it surely may: else one that rounds down would be looked for twice.
 const RUNG_ROUNDING: f32 = 0.01;
 
-/// Radius of ring `k`; the last one lies at the layer's `ring_last_m`.
-pub fn ring_radius(layer: &Layer, k: i32) -> Option<f32> {
-    let radius = |k: i32| layer.ring_first_m * layer.ring_ratio.powi(k);
-    (k == 0 || radius(k - 1) < layer.ring_last_m).then(|| radius(k).min(layer.ring_last_m))
-}
-
-/// Halvings by which the range is found at which slabs take over from rings.
-const HALVINGS: u32 = 10;
-
-/// Where a piece of the ray ended, and what was found there.
-struct End {
-    t: f32,
-    found: Option<Look>,
-}
-
 /// Where between two looks that which is seen of the cloud lies, as a share of the way: about a free path behind its edge,
 /// however long the step is, so that the look that happens to find it does not show. `near` and `far` are margins over the
 /// edge's width, `depth` is the optical depth between.
@@ -344,12 +262,6 @@ pub fn mean_clamped(a: f32, b: f32) -> f32 {
         0.5 * c * c + (m - 1.0).max(0.0)
     };
     if (b - a).abs() < 1e-4 { (0.5 * (a + b)).clamp(0.0, 1.0) } else { (sum(b) - sum(a)) / (b - a) }
-}
-
-/// Whether rings carry a ray at range `t` and horizontal distance `distance`, where it meets a slice every `slice_ds`:
-/// where that is long against the range. Along a ray rings come first, then slabs.
-pub fn rings_carry(layer: &Layer, slice_ds: f32, t: f32, distance: f32) -> bool {
-    slice_ds > t * RING_SHARE + RING_SLICES * layer.spacing_m && distance < layer.ring_last_m
 }
 
 #[cfg(test)]

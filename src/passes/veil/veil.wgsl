@@ -16,14 +16,14 @@ fn depth_between(direction: vec3<f32>, from_t: f32, to_t: f32) -> f32 {
     var near = -1.0;
     var going = from_t < to_t;
     if going {
-        near = look(direction, from_t, FAR).margin;
+        near = margin_along(direction, from_t);
     }
     let least = max((to_t - from_t) / VEIL_STEPS, 0.01);
     // Each step is at least `least` long, so that this ends.
     while going {
         let step = max(layer.step_m + VEIL_GROWTH * at, least) + layer.reach_m * max(-near, 0.0);
         let end = min(to_t, at + step);
-        let far = look(direction, end, FAR).margin;
+        let far = margin_along(direction, end);
         depth += layer.extinction_per_m * (end - at) * mean_clamped(near * layer.inverse_edge, far * layer.inverse_edge);
         near = far;
         at = end;

@@ -162,16 +162,15 @@ impl Drawer {
         self.reference.prepared(plan, |table, layers, casters, grids| {
             let changed: Vec<Prepared> = layers
                 .iter()
-                .zip(&plan.layers)
                 .enumerate()
-                .map(|(i, (layer, planned))| {
+                .map(|(i, layer)| {
                     let textures = match other {
                         Other::Volumes(volumes) => {
                             Textures { shape: &volumes[i].0, bounds: &volumes[i].1, ..layer.textures }
                         }
                         Other::Map(map) => Textures { map, ..layer.textures },
                     };
-                    Prepared::new(layer.layer, planned.slices, textures)
+                    Prepared::new(layer.layer, textures)
                 })
                 .collect();
             reference::picture(plan, table, &changed, casters, grids)
