@@ -193,3 +193,48 @@ fn a_storm_cell_needs_a_region_however_it_is_asked_for() {
     let seen = world.snapshot(0.01);
     assert!(seen.regions[0].stands_in() && seen.weather.layers[0].kind == CloudKind::Cumulus);
 }
+
+#[test]
+fn a_region_that_turns_from_a_cell_into_other_clouds_lets_the_weather_around_go_and_come_without_a_step() {
+    use crate::clouds::CloudKind::{Cumulus, StormCell};
+    use crate::world::World;
+    use crate::world::command::Command;
+    let spec = |kind| LayerSpec {
+        kind,
+        base_m: 1_000.0,
+        thickness_m: 5_000.0,
+        coverage: 0.8,
+        density: 1.0,
+        wind_speed_mps: 0.0,
+        wind_from_deg: 0.0,
+    };
+    for (from, to) in [
+        (vec![StormCell], vec![Cumulus]),
+        (vec![Cumulus], vec![StormCell]),
+        (vec![StormCell], vec![]),
+        (vec![], vec![StormCell]),
+    ] {
+        let edit = |kinds: &[CloudKind], transition_s: f64| {
+            Command::Weather(WeatherEdit {
+                region: Some(shape("a")),
+                layers: Some(kinds.iter().map(|kind| spec(*kind)).collect()),
+                transition_s,
+                ..WeatherEdit::default()
+            })
+        };
+        let mut world = World::new();
+        world.apply(edit(&from, 0.0)).expect("a region");
+        world.advance_to(1.0);
+        world.apply(edit(&to, 100.0)).expect("the change");
+        let mut seen = Vec::new();
+        for k in 0..=110 {
+            world.advance_to(1.0 + f64::from(k));
+            seen.push(world.snapshot(0.01).regions[0].gives_way());
+        }
+        let ends = |kinds: &[CloudKind]| if kinds == [StormCell] { 0.0 } else { 1.0 };
+        assert_eq!((seen[0], seen[110]), (ends(&from), ends(&to)), "{from:?} {to:?}");
+        // Smoothstep over half of the 100 s is steepest at 3 % a second.
+        let step = seen.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max);
+        assert!(step < 0.032, "{from:?} {to:?}: {step}");
+    }
+}
