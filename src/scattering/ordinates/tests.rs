@@ -2,7 +2,9 @@
 
 use super::*;
 use crate::numeric::hash::{pcg3d, unit};
+use crate::numeric::sphere::{Direction, Rule};
 use crate::scattering::monte_carlo;
+use crate::scattering::phase::Phase;
 
 const GRAINS: u32 = 77;
 
