@@ -86,7 +86,7 @@ pub(super) struct Options {
     #[arg(long, value_name = "SECONDS", requires = "struck")]
     until: Option<f64>,
     /// A folder that keeps baked tables by content, so that nothing is baked twice; `serve` and `render` may share it.
-    #[arg(long, value_name = "FOLDER")]
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["index", "merge"])]
     cache: Option<PathBuf>,
     /// MiB that the tables in that folder may take; those that were not used for longest go first.
     #[arg(long, value_name = "MIB", default_value_t = 1024, requires = "cache", value_parser = clap::value_parser!(u32).range(limits::BASIS_CACHE_MIB.min as i64..=limits::BASIS_CACHE_MIB.max as i64))]
@@ -128,14 +128,20 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         )));
     }
     let recipe = recipe(options)?;
-    let cache = options.cache.as_deref().filter(|_| of == 1).map(|folder| {
+    let cache = options.cache.as_deref().map(|folder| {
         Cache::open(folder, u64::from(options.cache_mib) << 20)
             .map_err(|why| failed(folder, &why))
             .map(|c| (c, key(&recipe)))
     });
     let cache = cache.transpose()?;
     if let Some(kept) = cache.as_ref().and_then(|(cache, key)| cache.whole(key, &recipe)) {
-        std::fs::copy(kept, out).map_err(|why| failed(out, &why))?;
+        // What is no file of this bake is left alone, as when it is baked.
+        share::open(&recipe, out)?;
+        let partial = partial(out);
+        std::fs::copy(kept, &partial).and_then(|_| std::fs::rename(&partial, out)).map_err(|why| {
+            let _gone = std::fs::remove_file(&partial);
+            failed(out, &why)
+        })?;
         println!("{}: taken from the cache, nothing baked", out.display());
         return Ok(());
     }
@@ -232,21 +238,31 @@ fn within(recipe: Recipe, error: f64) -> Result<Recipe, Failure> {
 /// Joins shares.
 fn merge(shares: &[PathBuf], out: &Path) -> Result<(), Failure> {
     // Under another name first: the file may be one of the shares.
-    let partial = out.with_extension("partial");
-    let mut file = BufWriter::new(File::create(&partial).map_err(|why| failed(&partial, &why))?);
+    let partial = partial(out);
+    let mut file = BufWriter::new(File::create_new(&partial).map_err(|why| failed(&partial, &why))?);
     let open = |i: usize| File::open(&shares[i]).map(BufReader::new);
     let joined = file::join(shares.len(), open, &mut file).map_err(|why| match why {
         JoinError::Share(i, why) => Failure::Input(format!("{}: {why}", shares[i].display())),
         JoinError::Whole(why) => Failure::Input(why.to_string()),
         JoinError::Write(why) => failed(&partial, &why),
     });
-    let mut put = || file.flush().and_then(|()| std::fs::rename(&partial, out)).map_err(|why| failed(out, &why));
+    let mut put = || {
+        let whole = file.flush().and_then(|()| file.get_ref().sync_all());
+        whole.and_then(|()| std::fs::rename(&partial, out)).map_err(|why| failed(out, &why))
+    };
     let lights = joined.and_then(|lights| put().map(|()| lights)).inspect_err(|_| {
         // What is left of it is nothing.
         let _gone = std::fs::remove_file(&partial);
     })?;
     println!("{}: {} shares, {lights} lights", out.display(), shares.len());
     Ok(())
+}
+
+/// A name beside a file under which it can be written before it is there, which no other program and no file of the user has.
+fn partial(out: &Path) -> PathBuf {
+    let mut name = out.file_name().unwrap_or_default().to_owned();
+    name.push(format!(".{}.partial", std::process::id()));
+    out.with_file_name(name)
 }
 
 fn failed(path: &Path, why: &std::io::Error) -> Failure {

@@ -57,7 +57,7 @@ pub(super) fn bake(recipe: &Recipe, index: usize, of: usize, out: &Path) -> Resu
 }
 
 /// What a file of this bake holds already.
-struct Done {
+pub(super) struct Done {
     /// Lights and their sums of squares.
     lights: Vec<(usize, [f64; 2])>,
     /// Where the header ends, and each light's block.
@@ -65,7 +65,7 @@ struct Done {
 }
 
 /// Opens the file, new or begun by the same recipe; any other file is left alone.
-fn open(recipe: &Recipe, out: &Path) -> Result<(File, Done), Failure> {
+pub(super) fn open(recipe: &Recipe, out: &Path) -> Result<(File, Done), Failure> {
     let header = file::header(recipe);
     let mut done = Done { lights: Vec::new(), ends: vec![header.len() as u64] };
     match std::fs::metadata(out) {

@@ -15,7 +15,7 @@ pub use key::{Key, key};
 use crate::scattering::basis::Recipe;
 use crate::scattering::compress::Block;
 use crate::scattering::file::{self, Blocks, FileError, Trailer};
-use folder::{Kind, list, named};
+use folder::{Kept, Kind, list, named};
 use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Write};
@@ -126,7 +126,7 @@ impl Cache {
 
     /// Puts a whole table in, in place of its shares.
     pub fn put_whole<'a>(&self, key: &Key, recipe: &Recipe, blocks: impl Iterator<Item = &'a Block>) {
-        let written = self.put(key, ".basis", |out| {
+        self.put(key, ".basis", |out| {
             out.write_all(&file::header(recipe))?;
             let mut trailer = Trailer::default();
             for block in blocks {
@@ -135,17 +135,11 @@ impl Cache {
             }
             out.write_all(&trailer.bytes(recipe))
         });
-        if written {
-            self.drop_shares(key);
-        }
     }
 
     /// Puts a basis file in that has been read before.
     pub fn put_file(&self, key: &Key, whole: &Path) {
-        let copied = self.put(key, ".basis", |out| io::copy(&mut File::open(whole)?, out).map(drop));
-        if copied {
-            self.drop_shares(key);
-        }
+        self.put(key, ".basis", |out| io::copy(&mut File::open(whole)?, out).map(drop));
     }
 
     fn drop_shares(&self, key: &Key) {
@@ -165,7 +159,13 @@ impl Cache {
                 let _age = touched.and_then(|file| file.set_modified(SystemTime::now()));
                 true
             }
-            Err(why) => {
+            Err(Trouble::Gone) => false,
+            // It may be sound for others, or later.
+            Err(Trouble::Unreadable(why)) => {
+                self.complain(format!("{}: cannot be read: {why}", path.display()));
+                false
+            }
+            Err(Trouble::Wrong(why)) => {
                 self.refused.fetch_add(1, Ordering::Relaxed);
                 self.complain(format!("{}: {why}; it is baked again", path.display()));
                 self.remove(path);
@@ -174,10 +174,10 @@ impl Cache {
         }
     }
 
-    /// Writes a file of a table, whole or not at all.
-    fn put(&self, key: &Key, ending: &str, fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> bool {
+    /// Writes a file of a table, whole or not at all; a whole table takes the place of its shares.
+    fn put(&self, key: &Key, ending: &str, fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) {
         if self.state().too_large.contains(key) {
-            return false;
+            return;
         }
         let number = self.number.fetch_add(1, Ordering::Relaxed);
         let partial = self.path(key, &format!("-{}-{number}.partial", std::process::id()));
@@ -196,17 +196,19 @@ impl Cache {
         });
         match written {
             Ok((bytes, before)) => {
+                // Before anything is counted, or a table would seem twice as large as it is.
+                if ending == ".basis" {
+                    self.drop_shares(key);
+                }
                 let mut state = self.state();
                 state.bytes = (state.bytes + bytes).saturating_sub(before);
                 if state.bytes > self.most_bytes {
                     self.make_room(&mut state, key);
                 }
-                true
             }
             Err(why) => {
                 let _gone = std::fs::remove_file(&partial);
                 self.complain(format!("{}: nothing can be kept: {why}", self.folder.display()));
-                false
             }
         }
     }
@@ -219,24 +221,41 @@ impl Cache {
         oldest.sort_by_key(|(other, table)| (table.used, (*other).clone()));
         // A tenth more than must be, so that not every batch looks through the folder.
         let enough = self.most_bytes - self.most_bytes / 10;
-        let own = all.get(key).filter(|table| table.bytes > self.most_bytes);
-        for (_, table) in oldest {
-            if bytes <= enough {
-                break;
-            }
-            table.files.iter().for_each(|(path, ..)| drop(std::fs::remove_file(path)));
-            bytes = bytes.saturating_sub(table.bytes);
-        }
-        if let Some(own) = own {
-            own.files.iter().for_each(|(path, ..)| drop(std::fs::remove_file(path)));
-            bytes = bytes.saturating_sub(own.bytes);
+        // What is too large for itself alone costs no other table its place.
+        if let Some(own) = all.get(key).filter(|table| table.bytes > self.most_bytes) {
+            bytes = bytes.saturating_sub(self.removed(state, own));
             if state.too_large.len() < MOST_SAID {
                 state.too_large.insert(key.clone());
             }
             let most = self.most_bytes >> 20;
             complain(state, format!("{}: a table is larger than the {most} MiB of all", self.folder.display()));
         }
+        for (_, table) in oldest {
+            if bytes <= enough || bytes <= self.most_bytes && state.too_large.contains(key) {
+                break;
+            }
+            bytes = bytes.saturating_sub(self.removed(state, table));
+        }
         state.bytes = bytes;
+    }
+
+    /// Takes a table away and tells its bytes. What is being written stays for its writer.
+    fn removed(&self, state: &mut State, table: &Kept) -> u64 {
+        let mut bytes = 0;
+        for (path, kind, changed) in &table.files {
+            let age = SystemTime::now().duration_since(*changed).unwrap_or_default();
+            if *kind == Kind::Partial && age < FORSAKEN {
+                continue;
+            }
+            let own = std::fs::metadata(path).map_or(0, |file| file.len());
+            match std::fs::remove_file(path) {
+                Ok(()) => bytes += own,
+                // Another program took it away: its bytes are gone all the same.
+                Err(why) if why.kind() == io::ErrorKind::NotFound => bytes += own,
+                Err(why) => complain(state, format!("{}: cannot be taken away: {why}", path.display())),
+            }
+        }
+        bytes
     }
 
     fn remove(&self, path: &Path) {
@@ -269,17 +288,33 @@ fn complain(state: &mut State, what: String) {
     }
 }
 
+/// Why a file was not read.
+enum Trouble {
+    /// Another program took it away, or put a whole table in its place.
+    Gone,
+    /// The system does not hand it over.
+    Unreadable(String),
+    /// It is damaged, cut off, foreign or of another cloud.
+    Wrong(String),
+}
+
 /// Reads a file of a recipe, block by block.
-fn read(path: &Path, recipe: &Recipe, take: &mut dyn FnMut(usize, Block)) -> Result<(), String> {
-    let unreadable = |why: io::Error| format!("cannot be read: {why}");
-    let wrong = |why: FileError| why.to_string();
+fn read(path: &Path, recipe: &Recipe, take: &mut dyn FnMut(usize, Block)) -> Result<(), Trouble> {
+    let unreadable = |why: io::Error| match why.kind() {
+        io::ErrorKind::NotFound => Trouble::Gone,
+        _ => Trouble::Unreadable(why.to_string()),
+    };
+    let wrong = |why: FileError| match why {
+        FileError::Unreadable(why) => Trouble::Unreadable(why),
+        other => Trouble::Wrong(other.to_string()),
+    };
     // A pipe or a device of this name would be waited for.
     if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
-        return Err("is no file".to_owned());
+        return Err(Trouble::Unreadable("it is no file".to_owned()));
     }
     let mut file = Blocks::open(BufReader::new(File::open(path).map_err(unreadable)?)).map_err(wrong)?;
     if file.recipe() != recipe {
-        return Err("is of another cloud than its name says".to_owned());
+        return Err(Trouble::Wrong("is of another cloud than its name says".to_owned()));
     }
     let mut lights = 0;
     while let Some((light, block)) = file.next_block().map_err(wrong)? {
@@ -288,7 +323,7 @@ fn read(path: &Path, recipe: &Recipe, take: &mut dyn FnMut(usize, Block)) -> Res
     }
     let is_whole = path.extension().is_some_and(|ending| ending == "basis");
     if is_whole && !(file.complete() && lights == recipe.lights.len()) {
-        return Err(format!("ends after {lights} of {} lights", recipe.lights.len()));
+        return Err(Trouble::Wrong(format!("ends after {lights} of {} lights", recipe.lights.len())));
     }
     Ok(())
 }

@@ -237,7 +237,7 @@ fn fill_one(tables: &Weak<Tables>) -> bool {
         return false;
     }
     let Some((piece, batch)) = tables.next() else { return false };
-    piece.bake(batch);
+    tables.bake(&piece, batch);
     true
 }
 
