@@ -24,6 +24,7 @@ use crate::passes::sky::{Sky, Stars, stars};
 use crate::world::command::Frustum;
 use crate::world::regions::weight_at;
 use crate::world::snapshot::{LayerState, Snapshot, ViewState};
+use air::Left;
 pub use column::Level;
 use column::{ClearSky, Column};
 pub use exposure::FULL_LUX_EXPOSURE;
@@ -155,7 +156,7 @@ impl Illuminance {
             lights: lights.map(|l| Luminary { direction: quantised_direction(l.direction), ..l }),
             night_luminance,
             cities: cities(eye, night, &snapshot.terrain),
-            shade: air::shade(&weathers, &clear, height_m),
+            shade: Left::mixed(shares.iter().copied().zip(columns.iter().map(|c| &c.left))).shade(height_m),
             scale,
         };
         // Full scale at 1.2 * 2^EV cd/m2 (ISO 2720 with K = 12.5 and saturation-based speed).

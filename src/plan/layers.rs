@@ -143,9 +143,13 @@ impl Context<'_> {
         });
         // Detail lies in the nearest chart alone: it is gone where the next chart becomes the nearest, so that it never steps.
         let detail_share = weights(&near, DVec3::Z).first().map_or(0.0, |w| (2.0 * w - 1.0).clamp(0.0, 1.0)) as f32;
-        let outside_m = (state.base_m - self.eye.height_m).max(self.eye.height_m - top_m).max(0.0);
         let outline = outlines(self.regions, column, state, self.eye);
         let (bound_m, bound_radius_m) = region.map_or(([0.0; 3], 0.0), |region| bound(region, state, self.eye));
+        let mut outside_m = (state.base_m - self.eye.height_m).max(self.eye.height_m - top_m) as f32;
+        if bound_radius_m > 0.0 {
+            let away = Vec3::from(bound_m) - Vec3::new(0.0, 0.0, self.eye.height_m as f32);
+            outside_m = outside_m.max(away.length() - bound_radius_m);
+        }
         let mut flash = [Flash::default(); FLASHES];
         flash[..self.flashes.len()].copy_from_slice(self.flashes);
         let nodes = Nodes::around(threshold.offset, threshold.patchiness, look.edge);
@@ -193,7 +197,7 @@ impl Context<'_> {
             pad0: 0.0,
             bound_m,
             bound_radius_m,
-            varied: if outside_m < f64::from(VARIED_M[1]) { VARIED * detail_share } else { 0.0 },
+            varied: if outside_m < VARIED_M[1] { VARIED * detail_share } else { 0.0 },
             clumps_finer: (scale * tile[1] / CLUMPS_M).round().max(1.0),
             chart: charts,
             outline,

@@ -1,6 +1,6 @@
 //! What the clouds of the weathers around the eye leave of the light in the air: see [`crate::passes::sky::shade`].
 
-use super::column::{self, ClearSky, Column};
+use super::column::{self, ClearSky, Level};
 use crate::clouds::density::TILE_M;
 use crate::passes::common::smoothstep;
 use crate::passes::sky::shade::{NODES, Shade};
@@ -12,28 +12,44 @@ const STANDS_BEFORE: f32 = 0.2;
 /// A share of the direct light that nobody sees.
 const NOTHING: f32 = 1e-3;
 
-/// What clouds leave of the air's light at an eye, for weathers by how much each rules there; `None` where they leave all.
-/// Rounded, so that the sky's table is made a few times while a weather eases in.
-pub fn shade(weathers: &[(f32, &[LayerState], &Column)], clear: &ClearSky, eye_m: f32) -> Option<Shade> {
-    let (mut direct, mut diffuse) = ([0.0; NODES], [Vec3::ZERO; NODES]);
-    let (mut low_m, mut inverse_high) = (0.0, 0.0);
-    for (share, layers, column) in weathers.iter().filter(|(share, ..)| *share > 0.0) {
-        let levels = levels(layers, column, clear);
-        for node in 0..NODES {
-            let (straight, scattered) = at(&levels, Shade::height_m(node));
-            direct[node] += share * straight;
-            diffuse[node] += scattered * *share;
-        }
-        let [low, inverse] = before(layers, eye_m);
-        (low_m, inverse_high) = (low_m + share * low, inverse_high + share * inverse);
+/// What the clouds of one weather leave of the air's light.
+#[derive(Clone, Debug)]
+pub struct Left {
+    direct: [f32; NODES],
+    diffuse: [Vec3; NODES],
+    /// The lower end of the air before the clouds, m, and 1 over the upper one.
+    before: [f32; 2],
+}
+
+impl Left {
+    /// That of layers that rise without overlap, with the light above each and that which comes up to it.
+    pub fn new(layers: &[LayerState], above: &[Level], below_lux: &[Vec3], clear: &ClearSky, eye_m: f32) -> Self {
+        let levels = levels(layers, above, below_lux, clear);
+        let nodes: [_; NODES] = std::array::from_fn(|node| at(&levels, Shade::height_m(node)));
+        Self { direct: nodes.map(|n| n.0), diffuse: nodes.map(|n| n.1), before: before(layers, eye_m) }
     }
-    // In steps of 3 %, which no picture shows.
-    let even = |v: f32| ((v.max(1e-4).ln() * 32.0).round() / 32.0).exp();
-    let direct = direct.map(|v: f32| if v < NOTHING { 0.0 } else { even(v).min(1.0) });
-    let diffuse = diffuse.map(|v| Vec3::new(even(v.x), even(v.y), even(v.z)));
-    let all = direct.iter().all(|v| *v == 1.0) && diffuse.iter().all(|v| *v == Vec3::ONE);
-    let near_m = [(0.98 * even(low_m)).min(eye_m), (1.02 * even(1.0 / inverse_high.max(1e-9))).max(eye_m)];
-    (!all).then_some(Shade { direct, diffuse, near_m })
+
+    /// What several leave, in proportions that add up to 1.
+    pub fn mixed<'a>(parts: impl Iterator<Item = (f32, &'a Self)>) -> Self {
+        let none = Self { direct: [0.0; NODES], diffuse: [Vec3::ZERO; NODES], before: [0.0; 2] };
+        parts.fold(none, |sum, (share, part)| Self {
+            direct: std::array::from_fn(|node| sum.direct[node] + share * part.direct[node]),
+            diffuse: std::array::from_fn(|node| sum.diffuse[node] + part.diffuse[node] * share),
+            before: [0, 1].map(|k| sum.before[k] + share * part.before[k]),
+        })
+    }
+
+    /// The same for the sky's table; `None` where clouds leave all. Rounded, so that the table is made a few times while a weather eases in.
+    pub fn shade(&self, eye_m: f32) -> Option<Shade> {
+        // In steps of 3 %, which no picture shows.
+        let even = |v: f32| ((v.max(1e-4).ln() * 32.0).round() / 32.0).exp();
+        let direct = self.direct.map(|v| if v < NOTHING { 0.0 } else { even(v).min(1.0) });
+        let diffuse = self.diffuse.map(|v| Vec3::new(even(v.x), even(v.y), even(v.z)));
+        let all = direct.iter().all(|v| *v == 1.0) && diffuse.iter().all(|v| *v == Vec3::ONE);
+        let [low_m, inverse_high] = self.before;
+        let near_m = [(0.98 * even(low_m)).min(eye_m), (1.02 * even(1.0 / inverse_high.max(1e-9))).max(eye_m)];
+        (!all).then_some(Shade { direct, diffuse, near_m })
+    }
 }
 
 /// A layer's heights, and shares of direct and scattered light under it.
@@ -45,12 +61,13 @@ struct Under {
 }
 
 /// Layers from the top down.
-fn levels(layers: &[LayerState], column: &Column, clear: &ClearSky) -> Vec<Under> {
-    let usual = column.top.diffuse_lux + clear.ground.horizontal_lux(clear.mu) * column::GROUND_ALBEDO;
+fn levels(layers: &[LayerState], above: &[Level], below_lux: &[Vec3], clear: &ClearSky) -> Vec<Under> {
+    let Some(top) = above.last() else { return Vec::new() };
+    let usual = top.diffuse_lux + clear.ground.horizontal_lux(clear.mu) * column::GROUND_ALBEDO;
     let mut direct = 1.0;
     let below = |(i, layer): (usize, &LayerState)| {
         direct *= 1.0 - slanted_cover(layer, clear.mu) * (1.0 - (-column::depth(layer) / clear.mu).exp());
-        let scattered = column::pass(layer, column.above[i], clear.mu).diffuse_lux + column.below_lux[i];
+        let scattered = column::pass(layer, above[i], clear.mu).diffuse_lux + below_lux[i];
         Under {
             base_m: layer.base_m as f32,
             top_m: (layer.base_m + layer.thickness_m) as f32,
@@ -82,17 +99,16 @@ fn slanted_cover(layer: &LayerState, mu: f32) -> f32 {
 }
 
 /// Heights around an eye between which nothing but air lies, m: the lower one, and 1 over the upper one. In the clouds both run from
-/// those below them to those above, so that nothing steps as an eye passes.
+/// those below them to those above, so that nothing steps as an eye passes; nor does it where a layer eases in.
 fn before(layers: &[LayerState], eye_m: f32) -> [f32; 2] {
-    let counts = |layer: &&LayerState| column::cover(layer) > 0.0;
-    let Some(first) = layers.iter().find(counts) else { return [0.0, 0.0] };
-    let base_m = (first.base_m as f32).max(1.0);
-    let top_m = layers.iter().filter(counts).map(|l| (l.base_m + l.thickness_m) as f32).fold(base_m + 1.0, f32::max);
-    let most = layers.iter().map(column::cover).fold(0.0, f32::max);
-    let there = smoothstep(0.0, STANDS_BEFORE, most);
-    let share = ((eye_m - base_m) / (top_m - base_m)).clamp(0.0, 1.0);
-    let inverse_high = (1.0 - share) / (base_m * (1.0 - share) + (top_m - base_m) * share);
-    [there * share * top_m, there * inverse_high]
+    layers.iter().fold([0.0f32; 2], |[low, inverse_high], layer| {
+        let base_m = (layer.base_m as f32).max(1.0);
+        let thickness_m = ((layer.base_m + layer.thickness_m) as f32 - base_m).max(1.0);
+        let there = smoothstep(0.0, STANDS_BEFORE, column::cover(layer));
+        let share = ((eye_m - base_m) / thickness_m).clamp(0.0, 1.0);
+        let inverse = (1.0 - share) / (base_m * (1.0 - share) + thickness_m * share);
+        [low.max(there * share * (base_m + thickness_m)), inverse_high.max(there * inverse)]
+    })
 }
 
 #[cfg(test)]
@@ -148,6 +164,18 @@ mod tests {
         // What hardly covers stands hardly before anything.
         let [low, inverse] = before(&[layer(0.01)], 3_000.0);
         assert!(low < 30.0 && inverse == 0.0, "{low}");
+    }
+
+    #[test]
+    fn air_before_the_clouds_ends_at_the_next_layer_each_way_and_one_that_eases_in_does_not_step() {
+        let cirrus = |coverage: f64| LayerState { coverage, ..scenes::layer(CloudKind::Cirrus, 9_000.0, 500.0) };
+        assert_eq!(before(&[layer(1.0), cirrus(1.0)], 3_000.0), [1_600.0, 1.0 / 9_000.0]);
+        let mut last = before(&[layer(1.0)], 3_000.0);
+        for percent in 0..=30 {
+            let now = before(&[layer(1.0), cirrus(f64::from(percent) / 100.0)], 3_000.0);
+            assert!(now[0] == last[0] && (now[1] - last[1]).abs() < 0.1 / 9_000.0, "{percent} %: {last:?} {now:?}");
+            last = now;
+        }
     }
 
     #[test]

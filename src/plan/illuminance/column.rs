@@ -1,5 +1,6 @@
 //! Light on its way down through the layers of one weather: what is above each of them, at the eye, and at the ground.
 
+use super::air::Left;
 use crate::clouds::{CloudKind, cell};
 use crate::passes::light::ASYMMETRY;
 use crate::world::snapshot::LayerState;
@@ -60,6 +61,8 @@ pub struct Column {
     pub ground: Level,
     /// Share of light from below that the layers send down again, and the height that they have for it, m.
     pub underside: [f32; 2],
+    /// What all layers leave of the air's light.
+    pub left: Left,
 }
 
 /// Share of its light that the ground sends back.
@@ -87,7 +90,10 @@ impl Column {
         let lower = |above: Vec3, clear: Vec3, top: Vec3| above * (clear / top.max(Vec3::splat(1e-9))).min(Vec3::ONE);
         let ground = Level {
             direct_lux: lower(now.direct_lux, clear.ground.direct_lux, top.direct_lux),
-            diffuse_lux: lower(now.diffuse_lux, clear.ground.diffuse_lux.max(0.9 * top.diffuse_lux), top.diffuse_lux),
+            // And it scatters what of the source's light comes down to it.
+            diffuse_lux: lower(now.diffuse_lux, clear.ground.diffuse_lux.max(0.9 * top.diffuse_lux), top.diffuse_lux)
+                + (clear.ground.diffuse_lux - top.diffuse_lux).max(Vec3::ZERO)
+                    * (now.direct_lux / top.direct_lux.max(Vec3::splat(1e-9))),
         };
         let mut up_lux = ground.horizontal_lux(mu) * GROUND_ALBEDO;
         let mut below_lux = Vec::with_capacity(layers.len());
@@ -95,7 +101,8 @@ impl Column {
             below_lux.push(up_lux);
             up_lux = sent_up(layer, *above, up_lux, mu);
         }
-        Self { top, top_m: top_m.max(LEAST_TOP_M), above, below_lux, eye, ground, underside: underside(layers) }
+        let left = Left::new(layers, &above, &below_lux, clear, eye_m as f32);
+        Self { top, top_m: top_m.max(LEAST_TOP_M), above, below_lux, eye, ground, underside: underside(layers), left }
     }
 
     /// The light under layers that stand among those around them: indices count the former alone.
@@ -120,6 +127,7 @@ impl Column {
         Self {
             top: level(&from.top, &to.top),
             top_m: mix(from.top_m, to.top_m),
+            left: Left::mixed([(1.0 - share, &from.left), (share, &to.left)].into_iter()),
             above: from.above.iter().zip(&to.above).map(|(a, b)| level(a, b)).collect(),
             below_lux: from.below_lux.iter().zip(&to.below_lux).map(|(a, b)| a.lerp(*b, share)).collect(),
             eye: level(&from.eye, &to.eye),
@@ -181,7 +189,7 @@ pub(super) fn pass(layer: &LayerState, above: Level, mu: f32) -> Level {
     Level {
         direct_lux: above.direct_lux * (1.0 - cover * (1.0 - (-depth / mu).exp())),
         diffuse_lux: above.diffuse_lux * (1.0 - cover + cover * from_sky)
-            + above.direct_lux * (cover * mu * from_source),
+            + above.direct_lux * (cover * mu * (from_source - (-depth / mu).exp()).max(0.0)),
     }
 }
 
@@ -203,6 +211,23 @@ mod tests {
     use crate::clouds::coverage::Coverage;
     use crate::clouds::density::{DensityVolume, HEIGHT, WIDTH};
     use crate::clouds::modulation;
+    use crate::plan::scenes;
+
+    #[test]
+    fn thin_layers_let_through_no_more_light_than_there_is_and_none_is_no_layer() {
+        let level = Level { direct_lux: Vec3::splat(100_000.0), diffuse_lux: Vec3::splat(12_000.0) };
+        let clear = ClearSky { at: &|_| level, eye: level, ground: level, mu: 0.64 };
+        let under = |layers: &[LayerState]| Column::new(layers, &clear, 0.0).ground.horizontal_lux(0.64).y;
+        let none = under(&[]);
+        for density in [0.0, 0.3, 1.0, 5.0, 50.0] {
+            let veil = scenes::layer(CloudKind::Cirrostratus, 8_000.0, 500.0);
+            let lux = under(&[LayerState { coverage: 1.0, density, ..veil }]);
+            assert!(lux <= none * 1.0001, "{density}: {lux} of {none}");
+            assert!(density > 0.0 || lux > none * 0.9999, "{lux} of {none}");
+        }
+        let nothing = LayerState { coverage: 0.0, ..scenes::layer(CloudKind::Cirrus, 10_000.0, 500.0) };
+        assert!((under(&[nothing]) / none - 1.0).abs() < 1e-4);
+    }
 
     #[test]
     fn the_filled_share_is_that_of_the_volumes() {

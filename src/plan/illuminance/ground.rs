@@ -2,9 +2,10 @@
 //! the light of cities.
 
 use super::Illuminance;
-use super::column::{Column, GROUND_ALBEDO, Level};
+use super::column::{Column, GROUND_ALBEDO, Level, cover};
 use crate::geo::terrain::Terrain;
 use crate::passes::beams::{LAMPS, Lamp};
+use crate::passes::common::smoothstep;
 use crate::passes::deck::{FLASHES, Flash};
 use crate::passes::ground::hills::FADE;
 use crate::passes::ground::lights::CORE_LUMINANCE;
@@ -15,10 +16,11 @@ use crate::plan::{PassNote, ReliefPlan, layers};
 use crate::world::snapshot::LayerState;
 use glam::{DQuat, Vec3};
 
-/// Layers whose base lies lower may have ground above them, m: few mountains are higher.
-const REACHED_M: f64 = 6_000.0;
-/// Coverage of a layer that is a sheet.
-const LEAST_COVER: f64 = 0.05;
+/// Layers whose base lies lower may have ground above them, m, and less and less up to the second: few mountains are higher.
+const REACHED_M: [f32; 2] = [5_500.0, 6_500.0];
+/// Coverage from which on a layer counts as a sheet, and counts whole.
+const LEAST_COVER: f32 = 0.05;
+const CLOSED_COVER: f32 = 0.2;
 /// Sine of the elevation below which a source casts no shadows of hills: behind the sea's horizon from the highest of them.
 const SET: f32 = -0.05;
 /// Below this share of the diffuse light the source's makes no shadow that could be seen.
@@ -37,17 +39,36 @@ pub struct Sheet {
 }
 
 impl Sheet {
-    /// That of the weathers in sight, if there is any.
+    /// That of the weathers in sight, if there is any. Layers and weathers count as far as they are there, so that nothing steps as
+    /// they ease in.
     pub fn of(weathers: &[Weather]) -> Option<Self> {
-        let reached = |layer: &&LayerState| layer.base_m < REACHED_M && layer.coverage > LEAST_COVER;
-        let all = || weathers.iter().filter(|(share, _, _)| *share > 0.0).flat_map(|(_, layers, _)| layers.iter());
-        let base_m = all().filter(reached).map(|layer| layer.base_m).min_by(f64::total_cmp)?;
-        let top_m = all().filter(reached).map(|layer| layer.base_m + layer.thickness_m).max_by(f64::total_cmp)?;
-        let above = Level::mixed(weathers.iter().map(|(share, layers, column)| {
-            let highest = layers.iter().rposition(|layer| reached(&layer));
-            (*share, highest.map_or(column.ground, |index| column.above[index]))
-        }));
-        Some(Self { above, base_m: base_m as f32, top_m: top_m as f32 })
+        let (mut all, mut base_m, mut top_m) = (0.0, 0.0, 0.0);
+        let mut parts = Vec::with_capacity(2 * weathers.len());
+        for (share, layers, column) in weathers {
+            let (mut there, mut base, mut top, mut above) = (0.0f32, 0.0f32, 0.0f32, column.ground);
+            for (layer, light) in layers.iter().zip(&column.above) {
+                let weight = smoothstep(LEAST_COVER, CLOSED_COVER, cover(layer))
+                    * (1.0 - smoothstep(REACHED_M[0], REACHED_M[1], layer.base_m as f32));
+                if weight > 0.0 {
+                    let own_top = (layer.base_m + layer.thickness_m) as f32;
+                    // The first layer sets the heights, those above it lift the top.
+                    let first = there == 0.0;
+                    base = if first { layer.base_m as f32 } else { base };
+                    top = if first { own_top } else { top + (own_top - top).max(0.0) * weight };
+                    above = Level::mixed([(1.0 - weight, above), (weight, *light)].into_iter());
+                    there = there.max(weight);
+                }
+            }
+            parts.push((*share, above));
+            (all, base_m, top_m) = (all + share * there, base_m + share * there * base, top_m + share * there * top);
+        }
+        (all > 0.0).then(|| Self { above: Level::mixed(parts.into_iter()), base_m: base_m / all, top_m: top_m / all })
+    }
+
+    /// The light above with that of the source as it is between shadows, which the picture looks up.
+    fn between_shadows(mut self, unshaded_lux: Vec3) -> Self {
+        self.above.direct_lux = self.above.direct_lux.max(unshaded_lux);
+        self
     }
 }
 
@@ -98,7 +119,11 @@ impl Illuminance {
         lamp[..lamps.len()].copy_from_slice(lamps);
         let hills = self.hills(relief, &light, notes);
         let [glow_lux, glow_level] = self.glow(relief, notes);
-        let sheet = self.sheet.unwrap_or(Sheet { above: light, base_m: 1e6, top_m: 2e6 });
+        let sheet = self.sheet.map(|sheet| match shadows {
+            Some(_) => sheet.between_shadows(self.unshaded_lux),
+            None => sheet,
+        });
+        let sheet = sheet.unwrap_or(Sheet { above: light, base_m: 1e6, top_m: 2e6 });
         Some(Ground {
             light_lux: light.direct_lux.into(),
             flashes: flashes.len() as u32,
